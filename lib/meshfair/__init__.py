@@ -1,0 +1,33 @@
+"""Denoising triangulated meshes: weights, averaging, heat flow and their experiments.
+
+The modules, in the order in which the data flows:
+
+shapes, io -> mesh -> noise -> weights -> operators -> flow -> metrics
+-> experiments -> plotting, viewer
+
+with ``checks`` before them all and ``reference`` (libigl) beside them.
+"""
+
+from importlib import import_module
+
+from meshfair.checks import MeshError, MeshWarning, StabilityWarning
+
+__version__ = "0.1.0"
+
+_MODULES = (
+    "checks", "shapes", "io", "mesh", "noise", "weights", "operators", "flow",
+    "metrics", "experiments", "plotting", "viewer", "reference",
+)  # fmt: skip
+
+__all__ = ["MeshError", "MeshWarning", "StabilityWarning", *_MODULES]
+
+
+def __getattr__(name):
+    """Load a module when it is first used, so that ``import meshfair`` is quick."""
+    if name in _MODULES:
+        return import_module(f"meshfair.{name}")
+    raise AttributeError(f"module 'meshfair' has no attribute {name!r}")
+
+
+def __dir__():
+    return sorted(__all__)
