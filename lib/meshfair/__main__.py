@@ -1,0 +1,7 @@
+"""``python -m meshfair``."""
+
+import sys
+
+from meshfair.cli import main
+
+sys.exit(main())
