@@ -15,7 +15,7 @@ from meshfair.checks import MeshError, MeshWarning, StabilityWarning
 __version__ = "0.1.0"
 
 _MODULES = (
-    "checks", "shapes", "io", "mesh", "noise", "weights", "operators", "flow",
+    "checks", "shapes", "io", "datasets", "mesh", "noise", "weights", "operators", "flow",
     "metrics", "experiments", "plotting", "viewer", "reference",
 )  # fmt: skip
 

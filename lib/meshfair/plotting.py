@@ -1,6 +1,78 @@
 """Curves and plain pictures with matplotlib."""
 
+from contextlib import contextmanager
+
 import numpy as np
+
+# One colour for each weights, told apart by colour-blind readers too (Okabe, Ito).
+WEIGHT_COLOURS = {"combinatorial": "#0072B2", "distance": "#D55E00", "cotangent": "#009E73"}
+WEIGHT_MARKS = {"combinatorial": "o", "distance": "s", "cotangent": "^"}
+
+STYLE = {
+    "axes.grid": True,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "axes.titlesize": 9,
+    "axes.labelsize": 9,
+    "figure.constrained_layout.use": True,
+    "font.size": 9,
+    "grid.alpha": 0.25,
+    "legend.fontsize": 8,
+    "legend.frameon": False,
+    "lines.linewidth": 1.5,
+    "mathtext.fontset": "cm",
+    "svg.fonttype": "path",
+    "svg.hashsalt": "meshfair",  # the same figure is the same file
+}
+
+
+@contextmanager
+def figure(path, size=(6.3, 2.6), columns=1, **subplots):
+    """A figure in the report's style, saved when the block ends.
+
+    Parameters
+    ----------
+    path : path
+        Where to save it; SVG and PDF are vector graphics.
+    size : (float, float)
+        Width and height in inches.
+    columns : int
+        Number of panels side by side.
+    **subplots
+        Passed to ``matplotlib.figure.Figure.subplots``.
+
+    Yields
+    ------
+    matplotlib Axes, or an array of them
+    """
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    with mpl.rc_context(STYLE):
+        drawn = Figure(figsize=size)
+        yield drawn.subplots(1, columns, **subplots)
+        drawn.savefig(path, metadata={"Date": None})
+
+
+def draw_curves(axes, table, y, *, x="time", best=None):
+    """Draw one curve for each weights.
+
+    Parameters
+    ----------
+    axes : matplotlib Axes
+    table : pandas.DataFrame
+        With columns weights, ``x`` and ``y``.
+    y, x : str
+        Columns to draw.
+    best : "max" or "min", optional
+        Mark the best point of each curve.
+    """
+    for name, rows in table.groupby("weights", sort=False):
+        colour = WEIGHT_COLOURS[name]
+        axes.plot(rows[x], rows[y], color=colour, label=name)
+        if best:
+            top = rows.loc[rows[y].idxmax() if best == "max" else rows[y].idxmin()]
+            axes.plot(top[x], top[y], WEIGHT_MARKS[name], color=colour, markersize=5)
 
 
 def draw_mesh(V, F, camera, field_of_view, size, values=None, limits=None, colours="viridis"):

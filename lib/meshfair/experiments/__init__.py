@@ -1,0 +1,34 @@
+"""The experiments of the report: each a seeded function that returns a tidy table."""
+
+from meshfair.experiments.beyond import agreement, full_resolution, origin, spectrum
+from meshfair.experiments.cases import MESHES, NOISE, WEIGHTS, NotDownloadedError, load_mesh
+from meshfair.experiments.seed import (
+    curves,
+    distance_readings,
+    knot_meshes,
+    part_errors,
+    stopping,
+    table_1,
+    table_1_of_the_seed,
+)
+from meshfair.experiments.sweep import sweep
+
+__all__ = [
+    "MESHES",
+    "NOISE",
+    "WEIGHTS",
+    "NotDownloadedError",
+    "agreement",
+    "curves",
+    "distance_readings",
+    "full_resolution",
+    "knot_meshes",
+    "load_mesh",
+    "origin",
+    "part_errors",
+    "spectrum",
+    "stopping",
+    "sweep",
+    "table_1",
+    "table_1_of_the_seed",
+]
