@@ -108,7 +108,7 @@ def table_1(draws=20, executor=None, *, path=None, progress=True):
     pandas.DataFrame
         A row for each noise, snr and weights: means and standard deviations
         over the draws of time, snr and gain (``time_mean``, ``time_std``,
-        ...), and the seed's own figures (``seed_time``, ``seed_snr``, ``seed_gain``).
+        ...), the number of draws, and the seed's own figures (``seed_time``, ``seed_snr``, ``seed_gain``).
 
     Raises
     ------
@@ -142,6 +142,7 @@ def table_1(draws=20, executor=None, *, path=None, progress=True):
     seed = printed.rename(
         columns={"snr": "row", "time": "seed_time", "best_snr": "seed_snr", "gain": "seed_gain"}
     )
+    table["draws"] = draws
     table = table.reset_index().merge(seed, on=["row", "weights"])
     order = {"noise": ["uniform", "normals"], "row": list(amplitudes), "weights": list(WEIGHTS)}
     for column, values in order.items():

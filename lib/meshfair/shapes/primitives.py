@@ -183,8 +183,8 @@ def box(size=(1.0, 1.0, 1.0), segments=12):
     ValueError
         A number outside its range.
     """
-    size = [check_number(x, "size", 0, open_low=True) for x in np.broadcast_to(size, 3)]
-    s = np.array([_count(x.item(), "segments", 1) for x in np.broadcast_to(segments, 3)])
+    size = [check_number(x, "size", 0, open_low=True) for x in np.broadcast_to(size, 3).tolist()]
+    s = np.array([_count(x, "segments", 1) for x in np.broadcast_to(segments, 3).tolist()])
     index = np.full(s + 1, -1)
     grid = np.argwhere(np.pad(np.zeros(np.maximum(s - 1, 0), bool), 1, constant_values=True))
     index[tuple(grid.T)] = np.arange(len(grid))

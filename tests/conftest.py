@@ -1,0 +1,22 @@
+"""What several test files share."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+
+@pytest.fixture
+def rng():
+    """Random numbers, the same in every run."""
+    return np.random.default_rng(20210123)
+
+
+@pytest.fixture(scope="session")
+def mirror():
+    """The folder of real meshes; a test that needs them is skipped where there is none."""
+    folder = os.environ.get("MESHFAIR_MIRROR")
+    if not folder or not Path(folder).is_dir():
+        pytest.skip("MESHFAIR_MIRROR names no folder of real meshes")
+    return Path(folder)

@@ -1,0 +1,181 @@
+import itertools
+import warnings
+
+import numpy as np
+import pytest
+
+from meshfair import MeshError, StabilityWarning, flow, noise, operators, shapes, weights
+from meshes import fan
+
+SECTIONS, SIDES = 20, 10
+
+
+def torus_and_average():
+    V, F = shapes.torus(sections=SECTIONS, sides=SIDES)
+    return V, F, operators.averaging(weights.combinatorial(F, len(V)))
+
+
+@pytest.mark.parametrize("waves", [(0, 0), (1, 0), (0, 1), (3, 2), (10, 5)])
+def test_waves_on_a_torus_decay_by_their_known_factor(waves):
+    # On the regular torus vertex (i, j) has the neighbours (+-1, 0), (0, +-1), +-(1, 1), so a
+    # plane wave is an eigenvector with eigenvalue (cos p + cos q + cos(p + q)) / 3.
+    _, _, A = torus_and_average()
+    p, q = 2 * np.pi * waves[0] / SECTIONS, 2 * np.pi * waves[1] / SIDES
+    i, j = np.divmod(np.arange(SECTIONS * SIDES), SIDES)
+    wave = np.column_stack([np.cos(p * i + q * j), np.sin(p * i + q * j), 0 * i])
+    eigenvalue = (np.cos(p) + np.cos(q) + np.cos(p + q)) / 3
+    np.testing.assert_allclose(flow.average(wave, A, 5), eigenvalue**5 * wave, atol=1e-14)
+    ((_, last),) = itertools.islice(flow.heat(wave, A, 0.3, 1.5), 5, None)
+    np.testing.assert_allclose(last, (1 - 0.3 * (1 - eigenvalue)) ** 5 * wave, atol=1e-14)
+
+
+def test_a_step_of_one_is_averaging(rng):
+    V, F, A = torus_and_average()
+    V = noise.gaussian(V, F, 0.3, rng)
+    times, states = zip(*flow.heat(V, A, 1.0, 4), strict=True)
+    assert times == (0, 1, 2, 3, 4)
+    for s, state in enumerate(states):
+        np.testing.assert_allclose(state, flow.average(V, A, s), atol=1e-14)
+        np.testing.assert_allclose(state, np.linalg.matrix_power(A.toarray(), s) @ V, atol=1e-13)
+
+
+def test_heat_converges_to_the_matrix_exponential_with_first_order(rng):
+    from scipy.linalg import expm
+
+    V, F, A = torus_and_average()
+    exact = expm(-(np.eye(len(V)) - A.toarray())) @ V
+    errors = []
+    for tau in (0.1, 0.05, 0.025):
+        *_, (time, state) = flow.heat(V, A, tau, 1.0)
+        assert time == 1.0
+        errors.append(np.abs(state - exact).max())
+    np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 2, rtol=0.1)
+
+
+def test_times_are_whole_steps():
+    V, _, A = torus_and_average()
+    times = [t for t, _ in flow.heat(V, A, 0.2, 0.7)]
+    assert times == [0, 0.2, 0.4, 0.6]
+    assert [t for t, _ in flow.heat(V, A, 0.1, 0.3)][-1] == 0.3  # 0.3 / 0.1 is below 3
+
+
+def test_a_sphere_shrinks_by_the_law_of_mean_curvature_flow():
+    # dr/dt = -2 / r, so r^2 = r0^2 - 4 t; weights and mass follow the surface.
+    errors = []
+    for subdivisions, tau in ((1, 0.016), (2, 0.004), (3, 0.001)):
+        V, F = shapes.icosphere(subdivisions)
+
+        def build(V, F=F):
+            return operators.diffusion(weights.cotangent(V, F), operators.mass(V, F))
+
+        *_, (time, last) = flow.heat(V, build, tau, 0.096, rebuild=True)
+        radius = np.linalg.norm(last, axis=1).mean()
+        errors.append(abs(radius**2 - (1 - 4 * time)))
+    # tau goes down with the square of the edge length, so all is of second order.
+    np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 4, rtol=0.25)
+
+
+def test_rebuilding_follows_the_surface(rng):
+    V, F = shapes.icosphere(2)
+    V = noise.gaussian(V, F, 0.2, rng)
+
+    def build(V):
+        return operators.averaging(weights.distance(V, F))
+
+    by_hand = V
+    for _ in range(3):
+        by_hand = 0.5 * by_hand + 0.5 * (build(by_hand) @ by_hand)
+    *_, (_, rebuilt) = flow.heat(V, build, 0.5, 1.5, rebuild=True)
+    *_, (_, once) = flow.heat(V, build, 0.5, 1.5)
+    np.testing.assert_allclose(rebuilt, by_hand, atol=1e-14)
+    assert np.abs(rebuilt - once).max() > 1e-6
+
+
+def test_best_stopping_is_the_best_of_all(rng):
+    V, F = shapes.knot()
+    V_noisy = noise.along_normals(V, F, 0.3, rng)
+    A = operators.averaging(weights.combinatorial(F, len(V)))
+    all_snr = {t: noise.snr(V, state) for t, state in flow.heat(V_noisy, A, 0.2, 3)}
+    best = flow.best_stopping(V_noisy, V, A, 0.2, 3)
+    assert best.time == max(all_snr, key=all_snr.get)
+    assert best.snr == pytest.approx(all_snr[best.time], rel=1e-12)
+    assert best.gain == pytest.approx(100 * (best.snr / all_snr[0.0] - 1), rel=1e-9)
+    curve = flow.snr_curve(V_noisy, V, A, 0.2, 3)
+    np.testing.assert_allclose(curve, list(all_snr.items()), rtol=1e-12)
+
+
+def test_a_clean_mesh_is_best_left_alone():
+    V, F, A = torus_and_average()
+    assert flow.best_stopping(V, V, A, 0.2, 1) == (0.0, np.inf, 0.0)
+
+
+def test_averaging_keeps_the_centre_on_an_even_mesh(rng):
+    V, F, A = torus_and_average()  # every vertex has six neighbours: W~ is symmetric
+    V = noise.gaussian(V, F, 0.3, rng)
+    np.testing.assert_allclose(flow.average(V, A, 50).mean(axis=0), V.mean(axis=0), atol=1e-13)
+
+
+def test_the_input_is_left_alone_and_states_are_new_arrays():
+    V, _, A = torus_and_average()
+    before = V.copy()
+    states = [state for _, state in flow.heat(V, A, 0.5, 2)]
+    states[0][:] = 7
+    flow.average(V, A, 0)[:] = 7
+    assert np.array_equal(V, before)
+    assert len({id(state) for state in states}) == len(states)
+
+
+def negative_weights():
+    """A mesh on which averaging with cotangent weights is unstable."""
+    V, F = shapes.icosphere(2)
+    V = noise.gaussian(V, F, 0.6, np.random.default_rng(0))
+    return V, operators.averaging(weights.cotangent(V, F))
+
+
+@pytest.mark.parametrize("tau", [1.5, -0.1])
+def test_steps_outside_the_interval_are_warned_of(tau):
+    V, _, A = torus_and_average()
+    p, q = np.meshgrid(*(2 * np.pi * np.arange(k) / k for k in (SECTIONS, SIDES)))
+    bound = 2 / (1 - ((np.cos(p) + np.cos(q) + np.cos(p + q)) / 3).min())
+    with pytest.warns(StabilityWarning, match=rf"outside \(0, 1\].*this mesh is tau = {bound:.3g}"):
+        list(flow.heat(V, A, tau, 0.1))
+
+
+def test_unstable_cotangent_steps_are_warned_of_with_the_bound():
+    V, A = negative_weights()
+    bound = operators.stable_step(A)
+    assert 2 / 3 <= bound < 1
+    with pytest.warns(StabilityWarning, match=rf"negative weights.*tau = {bound:.3g}"):
+        list(flow.heat(V, A, 1.0, 1))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        list(flow.heat(V, A, 2 / 3, 1))
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "message"),
+    [
+        (lambda V, A: flow.heat(V, A, 0, 1), ValueError, "tau is 0"),
+        (lambda V, A: flow.heat(V, A, np.nan, 1), ValueError, "tau is nan"),
+        (lambda V, A: flow.heat(V, A, 0.2, -1), ValueError, "time is -1"),
+        (lambda V, A: flow.heat(V, A, 0.2, np.inf), ValueError, "time is inf"),
+        (lambda V, A: flow.heat(V, A, 0.2, 1, rebuild=True), ValueError, "needs a function"),
+        (lambda V, A: flow.heat(V[:5], A, 0.2, 1), MeshError, "V has 5 vertices"),
+        (lambda V, A: flow.average(V, A, -1), ValueError, "steps is -1"),
+        (lambda V, A: flow.average(V, A, 1.5), ValueError, "steps is 1.5"),
+        (lambda V, A: flow.best_stopping(V, V[:5], A, 0.2, 1), MeshError, "vertices"),
+    ],
+)
+def test_bad_input_is_named_at_the_call(call, error, message):
+    V, _, A = torus_and_average()
+    with pytest.raises(error, match=message):
+        call(V, A)
+
+
+def test_a_non_manifold_mesh_flows_to_finite_places(rng):
+    V, F = fan(5)
+    V = np.concatenate([V, [[9.0, 9, 9]]])
+    for W in (weights.combinatorial(F, len(V)), weights.distance(V, F), weights.cotangent(V, F)):
+        *_, (_, last) = flow.heat(V, operators.averaging(W), 0.5, 10)
+        assert np.isfinite(last).all()
+        np.testing.assert_array_equal(last[-1], [9, 9, 9])

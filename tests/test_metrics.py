@@ -1,0 +1,60 @@
+import numpy as np
+import pytest
+
+from meshfair import MeshError, metrics, noise, shapes
+from meshes import grid
+
+
+@pytest.mark.parametrize("degrees", [1e-6, 0.1, 30, 90, 179])
+def test_normal_angle_of_a_turned_plane(degrees):
+    V, F = grid(4)
+    angle = np.radians(degrees)
+    turn = np.array(
+        [[1, 0, 0], [0, np.cos(angle), -np.sin(angle)], [0, np.sin(angle), np.cos(angle)]]
+    )
+    assert metrics.normal_angle(V @ turn.T, V, F) == pytest.approx(degrees, rel=1e-8)
+
+
+def test_normal_angle_of_faces_without_area():
+    V, F = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]), [[0, 1, 2], [0, 1, 3]]
+    flat = V.copy()
+    flat[3] = [2, 0, 0]
+    assert metrics.normal_angle(flat, V, F) == pytest.approx(45)  # 0 and 90 degrees
+    assert metrics.normal_angle(V, flat, F) == 0  # nothing to compare the second face with
+    with pytest.raises(MeshError, match="no face with an area"):
+        metrics.normal_angle(V, 0 * V, F)
+
+
+def test_volume_change_of_a_scaled_mesh():
+    V, F = shapes.knot()
+    assert metrics.volume_change(1.1 * V, V, F) == pytest.approx(1.1**3 - 1, rel=1e-12)
+    with pytest.raises(MeshError, match="no volume"):
+        metrics.volume_change(*[grid(2)[0]] * 2, grid(2)[1])
+
+
+def test_surface_distance_of_a_lifted_plane():
+    V, F = grid(6)
+    mean_edge = (2 * 42 + 36 * np.sqrt(2)) / (2 * 42 + 36)  # straight edges and diagonals
+    assert metrics.surface_distance(V + [0, 0, 0.3], V, F) == pytest.approx(0.3 / mean_edge)
+    # Sliding along the surface costs SNR, but no distance.
+    inside = V[(V[:, 0] < 5) & (V[:, 1] < 5)] + [0.37, 0.21, 0]
+    assert metrics.surface_distance(inside, V, F) == pytest.approx(0, abs=1e-12)
+
+
+def test_snr_is_the_one_of_noise():
+    assert metrics.snr is noise.snr
+
+
+def test_snr_depends_on_the_origin_and_the_others_do_not(rng):
+    V, F = shapes.icosphere(2)
+    V_noisy, shift = noise.gaussian(V, F, 0.2, rng), np.array([5.0, 0, 0])
+    assert metrics.snr(V + shift, V_noisy + shift) > metrics.snr(V, V_noisy) + 10
+    for metric in (metrics.normal_angle, metrics.volume_change):
+        moved = metric(V_noisy + shift, V + shift, F)
+        assert moved == pytest.approx(metric(V_noisy, V, F), rel=1e-10)
+
+
+def test_different_numbers_of_vertices():
+    V, F = shapes.icosphere(1)
+    with pytest.raises(MeshError, match="has 42 vertices but V_clean has 41"):
+        metrics.normal_angle(V, V[:-1], F)

@@ -1,0 +1,90 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from meshfair import MeshError, mesh, noise, shapes
+
+V, F = shapes.icosphere(4)
+N = len(V)
+
+
+def test_along_normals_is_white_and_along_the_normals(rng):
+    moved = noise.along_normals(V, F, 0.3, rng) - V
+    n = mesh.vertex_normals(V, F)
+    height = np.einsum("ij,ij->i", moved, n)
+    np.testing.assert_allclose(moved, height[:, None] * n, atol=1e-15)
+    R = height / (0.3 * mesh.mean_edge_length(V, F))
+    # Mean and variance of N standard normal draws, within four standard errors.
+    assert abs(R.mean()) < 4 / np.sqrt(N)
+    assert abs(R.var() - 1) < 4 * np.sqrt(2 / N)
+
+
+def test_gaussian_has_its_size_in_each_coordinate(rng):
+    moved = (noise.gaussian(V, F, 0.2, rng) - V) / (0.2 * mesh.mean_edge_length(V, F))
+    assert np.all(np.abs(moved.mean(axis=0)) < 4 / np.sqrt(N))
+    assert np.all(np.abs(moved.var(axis=0) - 1) < 4 * np.sqrt(2 / N))
+
+
+def test_uniform_fills_its_interval(rng):
+    moved = noise.uniform(V, 0.5, rng) - V
+    assert moved.min() >= -1e-15  # what is left of the rounding of V + draw
+    assert moved.max() < 0.5 + 1e-15
+    assert np.all(np.abs(moved.mean(axis=0) - 0.25) < 4 * 0.5 / np.sqrt(12 * N))
+
+
+def test_impulsive_moves_its_share(rng):
+    moved = np.any(noise.impulsive(V, F, 0.5, 0.1, rng) != V, axis=1)
+    assert moved.sum() == round(0.1 * N)
+
+
+@given(st.floats(-20, 120), st.integers(0, 2**32 - 1))
+def test_at_snr_meets_the_snr(decibels, seed):
+    displacement = np.random.default_rng(seed).standard_normal(V.shape)
+    noisy = noise.at_snr(V, displacement, decibels)
+    # V + d rounds each coordinate to 1e-16 of its size: at 120 dB, 1e-10 of d.
+    assert noise.snr(V, noisy) == pytest.approx(decibels, abs=1e-8)
+
+
+def test_snr_by_hand():
+    clean = np.array([[3.0, 4, 0], [0, 0, 5]])
+    noisy = clean + [[0, 0, 1.0], [0, 0, 0]]
+    assert noise.snr(clean, noisy) == pytest.approx(20)  # 1 / 10 is 20 dB
+    assert noise.snr(clean, clean) == np.inf
+
+
+def test_the_same_seed_gives_the_same_noise_and_leaves_the_mesh_alone():
+    before = V.copy()
+    for make in (
+        lambda rng: noise.along_normals(V, F, 0.1, rng),
+        lambda rng: noise.gaussian(V, F, 0.1, rng),
+        lambda rng: noise.uniform(V, 0.1, rng),
+        lambda rng: noise.impulsive(V, F, 0.1, 0.3, rng),
+    ):
+        a, b = (make(np.random.default_rng(5)) for _ in range(2))
+        assert np.array_equal(a, b)
+        assert not np.array_equal(a, make(np.random.default_rng(6)))
+    assert np.array_equal(V, before)
+
+
+def test_size_follows_the_scale_of_the_mesh():
+    a = noise.along_normals(V, F, 0.1, np.random.default_rng(1))
+    b = noise.along_normals(1000 * V, F, 0.1, np.random.default_rng(1))
+    np.testing.assert_allclose(b, 1000 * a, atol=1e-12 * 1000)
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "message"),
+    [
+        (lambda r: noise.gaussian(V, F, -1, r), ValueError, "sigma is -1"),
+        (lambda r: noise.uniform(V, np.nan, r), ValueError, "amplitude is nan"),
+        (lambda r: noise.impulsive(V, F, 0.1, 1.5, r), ValueError, "fraction is 1.5"),
+        (lambda r: noise.gaussian(V, F, 0.1, 7), TypeError, "rng is 7"),
+        (lambda r: noise.at_snr(V, 0 * V, 20), MeshError, "zero everywhere"),
+        (lambda r: noise.at_snr(V, V[:5], 20), MeshError, "has 2562 vertices but"),
+        (lambda r: noise.snr(0 * V, V), MeshError, "at the origin"),
+    ],
+)
+def test_bad_input(call, error, message, rng):
+    with pytest.raises(error, match=message):
+        call(rng)

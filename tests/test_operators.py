@@ -1,0 +1,165 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.linalg import eigh
+from scipy.sparse import csr_array
+
+from meshfair import MeshError, noise, operators, reference, shapes, weights
+from meshes import CLOSED, RIGHT_TRIANGLE, grid, soups
+
+
+def all_weights(V, F):
+    return {
+        "combinatorial": weights.combinatorial(F, len(V)),
+        "distance": weights.distance(V, F),
+        "cotangent": weights.cotangent(V, F),
+    }
+
+
+def test_right_triangle_by_hand():
+    V, F = RIGHT_TRIANGLE
+    W = weights.cotangent(V, F)
+    np.testing.assert_allclose(
+        operators.averaging(W).toarray(), [[0, 0.5, 0.5], [1, 0, 0], [1, 0, 0]], atol=1e-15
+    )
+    np.testing.assert_allclose(
+        operators.laplacian(W).toarray(),
+        [[1, -0.5, -0.5], [-0.5, 0.5, 0], [-0.5, 0, 0.5]],
+        atol=1e-15,
+    )
+    np.testing.assert_allclose(operators.mass(V, F).toarray(), np.eye(3) / 6, rtol=1e-15)
+
+
+@given(soups())
+def test_rows_sum_to_one_and_isolated_vertices_stay(soup):
+    V, F = soup
+    V, n = np.concatenate([V, [[5.0, 5, 5]]]), len(V) + 1  # the last vertex has no face
+    for W in all_weights(V, F).values():
+        A = operators.averaging(W)
+        # Negative weights can cancel in the sum d, and rounding grows by |W| / |d|.
+        d = operators.degrees(W)
+        growth = np.divide(abs(W).sum(axis=1), abs(d), out=np.ones(n), where=d != 0)
+        assert np.all(np.abs(A.sum(axis=1) - 1) <= 1e-14 * growth)
+        np.testing.assert_array_equal((A @ V)[-1], V[-1])
+
+
+@given(soups())
+def test_laplacian(soup):
+    V, F = soup
+    for W in all_weights(V, F).values():
+        L = operators.laplacian(W)
+        size = abs(L).max()
+        assert abs(L - L.T).max() <= 1e-14 * size
+        assert np.abs(L.sum(axis=1)).max() <= 1e-13 * size
+        # Positive semidefinite, for negative cotangent weights too (Dirichlet energy).
+        assert np.linalg.eigvalsh(L.toarray()).min() >= -1e-12 * size
+
+
+@pytest.mark.parametrize("build", CLOSED.values(), ids=CLOSED)
+def test_mass_is_libigls_and_sums_to_the_area(build):
+    V, F = build()
+    M = operators.mass(V, F)
+    assert abs(M - reference.mass(V, F)).max() <= 1e-12 * M.max()
+    a, b, c = V[F[:, 0]], V[F[:, 1]], V[F[:, 2]]
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
+    assert M.sum() == pytest.approx(area, rel=1e-13)
+
+
+def test_mass_of_a_trailing_unreferenced_vertex():
+    V, F = RIGHT_TRIANGLE
+    M = operators.mass(np.concatenate([V, V[:1]]), F)
+    assert M.shape == (4, 4)
+    assert M[3, 3] == 0
+
+
+def generalised(W):
+    """Eigenvalues of I - D^-1 W by a dense solver for the pair (L, D)."""
+    D = np.diag(operators.degrees(W))
+    return eigh(operators.laplacian(W).toarray(), D, eigvals_only=True)
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0, 2))
+def test_the_bounds_on_the_eigenvalues(seed, size):
+    # Slivers of all kinds: a sphere whose vertices are moved by up to many edge lengths.
+    V, F = shapes.icosphere(1)
+    V = noise.gaussian(V, F, size, np.random.default_rng(seed))
+    for name, W in all_weights(V, F).items():
+        mu = generalised(W)
+        assert mu.min() > -1e-9
+        assert mu.max() <= (3 if name == "cotangent" else 2) + 1e-9
+
+
+def test_the_bound_of_three_is_approached():
+    # Two needles: the eigenvalues of one go to 0, 0 and 3 as its angles go to 0 and 180 degrees.
+    V = np.array([[0.0, 0, 0], [1, 0, 0], [0.5, 1e-3, 0]])
+    assert generalised(weights.cotangent(V, np.array([[0, 1, 2]]))).max() > 2.999
+
+
+@pytest.mark.parametrize("subdivisions", [1, 3])  # a dense and a sparse eigenvalue problem
+def test_stable_step_is_two_over_the_largest_eigenvalue(subdivisions, rng):
+    V, F = shapes.icosphere(subdivisions)
+    V = noise.gaussian(V, F, 0.5, rng)
+    for W in all_weights(V, F).values():
+        bound = operators.stable_step(operators.averaging(W))
+        # 1e-3 is the accuracy asked of the eigenvalue.
+        assert bound == pytest.approx(2 / generalised(W).max(), rel=2e-3)
+
+
+def test_stable_step_separates_decay_from_growth(rng):
+    V, F = shapes.icosphere(2)
+    V = noise.gaussian(V, F, 0.5, rng)
+    A = operators.averaging(weights.cotangent(V, F))
+    bound = operators.stable_step(A)
+    x = rng.standard_normal(len(V))
+
+    def size_after(tau, steps=3000):
+        y = x.copy()
+        for _ in range(steps):
+            y = (1 - tau) * y + tau * (A @ y)
+        return np.abs(y).max()
+
+    assert size_after(0.99 * bound) <= np.abs(x).max() * 10
+    assert size_after(1.01 * bound) > np.abs(x).max() * 1e6
+
+
+def test_diffusion_of_a_flat_mesh_moves_no_inner_vertex(rng):
+    V, F = grid(6, irregular=rng)
+    A = operators.diffusion(weights.cotangent(V, F), operators.mass(V, F))
+    inside = np.all((V[:, :2] > 0) & (V[:, :2] < 6), axis=1)
+    np.testing.assert_allclose((A @ V)[inside], V[inside], atol=1e-13 * 6)
+
+
+@pytest.mark.parametrize("build", CLOSED.values(), ids=CLOSED)
+def test_the_energy_of_the_positions_is_twice_the_area(build, rng):
+    # tr(V' L V) = 2 area for cotangent weights: the identity map is conformal [PP93].
+    V, F = build()
+    V = noise.gaussian(V, F, 0.3, rng)
+    L = operators.laplacian(weights.cotangent(V, F))
+    assert np.trace(V.T @ (L @ V)) == pytest.approx(2 * operators.mass(V, F).sum(), rel=1e-12)
+
+
+def test_curvature_of_the_sphere():
+    # M^-1 L V is the mean curvature vector, -2 n on the unit sphere [MD99]: exactly so on
+    # the mean, by the identity above, up to the area that the inscribed surface lacks.
+    V, F = shapes.icosphere(4)
+    A = operators.diffusion(weights.cotangent(V, F), operators.mass(V, F))
+    curvature = V - A @ V
+    sideways = curvature - np.einsum("ij,ij->i", curvature, V)[:, None] * V
+    assert np.linalg.norm(sideways, axis=1).max() < 0.02 * 2
+    m = operators.mass(V, F).diagonal()
+    assert m @ np.einsum("ij,ij->i", curvature, V) / m.sum() == pytest.approx(2, rel=1e-12)
+
+
+@pytest.mark.parametrize("function", [operators.averaging, operators.laplacian])
+def test_bad_matrices(function):
+    with pytest.raises(MeshError, match="W has shape"):
+        function(csr_array((2, 3)))
+    with pytest.raises(MeshError, match="NaN"):
+        function(csr_array([[0, np.nan], [1, 0]]))
+
+
+def test_sizes_that_do_not_fit():
+    V, F = shapes.icosphere(1)
+    with pytest.raises(MeshError, match="build both from one mesh"):
+        operators.diffusion(weights.cotangent(V, F), operators.mass(V[:5], [[0, 1, 2]]))
