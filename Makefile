@@ -1,0 +1,62 @@
+# On a fresh machine, `make report` and `make test` do all the set-up; `make help` lists the rest.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+SETUP := pyproject.toml constraints.txt
+
+.DEFAULT_GOAL := help
+.PHONY: help report test lab data shapes bench fuzz assignments format lint clean system
+
+help: ## list these targets
+	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1|/' | \
+		while IFS='|' read -r name text; do printf '  make %-12s %s\n' "$$name" "$$text"; done
+
+report: $(VENV)/report.done system ## run every experiment and typeset report/report.pdf
+	$(BIN)/python report/build.py
+
+test: $(VENV)/test.done system ## run all tests
+	$(BIN)/python -m pytest -n 2 --dist loadgroup
+
+lab: $(VENV)/notebooks.done system ## open the notebooks in JupyterLab
+	$(BIN)/jupyter lab notebooks/00-start-here.ipynb
+
+data: $(VENV)/report.done ## download the real meshes (MESHFAIR_MIRROR=DIR: copy them from there)
+	$(BIN)/python data_scripts/fetch_meshes.py
+
+shapes: $(VENV)/report.done ## write the built-in shapes to data/
+	$(BIN)/python data_scripts/write_shapes.py
+
+lint: $(VENV)/test.done ## check the code's style
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+format: $(VENV)/test.done ## bring the code into the project's style
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+clean: ## remove the virtual environment and all that was built
+	rm -rf $(VENV) report/build report/report.pdf data
+
+# One stamp for each group of dependencies: what is installed is not installed again.
+$(VENV)/%.done: $(SETUP) | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
+		--constraint constraints.txt --editable '.[$*]'
+	@touch $@
+
+$(BIN)/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+		{ echo 'meshfair needs Python 3.11 or newer; set PYTHON=python3.11, say'; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+
+# Libraries to draw without a screen: installed where that needs no questions, named where not.
+system:
+	@missing=$$(sh data_scripts/missing_packages.sh apt.txt); \
+	if [ -z "$$missing" ]; then :; \
+	elif [ "$$(id -u)" = 0 ]; then \
+		echo "installing Debian packages: $$missing"; \
+		apt-get -qq update && DEBIAN_FRONTEND=noninteractive \
+			apt-get -qq install --no-install-recommends $$missing >/dev/null || \
+			echo "they could not be installed; meshes will be drawn with matplotlib"; \
+	else \
+		echo "for better pictures of meshes: sudo apt-get install" $$missing; \
+	fi

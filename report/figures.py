@@ -1,0 +1,255 @@
+"""The report's figures: name -> function(folder, data) that draws it.
+
+Meshes are PNG files, all of one mesh from one camera; curves are SVG. Numbers
+in curves come from the experiments' tables in ``data``.
+"""
+
+import numpy as np
+from PIL import Image
+
+from meshfair import experiments, flow, plotting
+from meshfair.experiments.cases import WEIGHTS, add_noise, load_mesh, operator
+from meshfair.mesh import mean_edge_length
+from meshfair.shapes import jet_parts
+from meshfair.viewer import Camera, render
+from tables import JET_NOISE, SEED
+
+PIXELS = (1000, 750)
+WIDE = (1400, 700)
+LOW = (1000, 560)
+ERRORS = "viridis"
+
+
+def photograph(path, V, F, camera, size=PIXELS, **options):
+    """Render a mesh into a PNG file."""
+    Image.fromarray(render(V, F, camera, size=size, **options)).save(path)
+
+
+def colour_bar(path, limits, label):
+    """A colour bar of its own, to stand below a row of meshes."""
+    with plotting.figure(path, (4.0, 0.5)) as axes:
+        axes.imshow(
+            np.linspace(0, 1, 256)[None], aspect="auto", extent=(*limits, 0, 1), cmap=ERRORS
+        )
+        axes.set(yticks=[], xlabel=label)
+        axes.grid(False)
+
+
+def errors(V, V_clean, F):
+    """Distance of each vertex from its clean place, in mean edge lengths."""
+    return np.linalg.norm(V - V_clean, axis=1) / mean_edge_length(V_clean, F)
+
+
+def cotangent_angles(folder, _):
+    """The two angles opposite an edge (the seed's Figure 1)."""
+    i, j, a, b = np.array([[0, 0], [0.25, 2.0], [-1.7, 1.25], [2.0, 0.85]])
+    with plotting.figure(folder / "cotangent-angles.svg", (2.9, 2.0)) as axes:
+        for corner, colour in ((a, "#0072B2"), (b, "#D55E00")):
+            axes.fill(*np.stack([i, j, corner]).T, color=colour, alpha=0.08, lw=0)
+            axes.plot(*np.stack([i, corner, j]).T, color="0.35", lw=1.1)
+        axes.plot(*np.stack([i, j]).T, color="black", lw=2.2)
+        for corner, name, colour in (
+            (a, r"$\alpha_{ij}$", "#0072B2"),
+            (b, r"$\beta_{ij}$", "#D55E00"),
+        ):
+            ends = [np.arctan2(*(end - corner)[::-1]) for end in (i, j)]
+            if abs(ends[1] - ends[0]) > np.pi:  # the arc across the branch cut
+                ends = [angle % (2 * np.pi) for angle in ends]
+            turn = np.linspace(*ends, 40)
+            axes.plot(
+                *(corner[:, None] + 0.42 * np.stack([np.cos(turn), np.sin(turn)])), color=colour
+            )
+            middle = corner + 0.68 * np.array([np.cos(np.mean(ends)), np.sin(np.mean(ends))])
+            axes.text(*middle, name, color=colour, ha="center", va="center", fontsize=11)
+        for point, name, shift in ((i, "$v_i$", (0, -0.24)), (j, "$v_j$", (0, 0.2))):
+            axes.plot(*point, "o", color="black", ms=4)
+            axes.text(*(point + shift), name, ha="center", va="center", fontsize=11)
+        axes.set_aspect("equal")
+        axes.margins(0.05)
+        axes.axis("off")
+
+
+def knot_meshes(folder, _):
+    """Figures 2 and 4: the knot, noisy, and after one and ten iterations."""
+    V, F = load_mesh("knot")
+    meshes = experiments.knot_meshes(SEED, steps=(1, 10))
+    in_view = np.concatenate([V, meshes["noisy", 0]])
+    camera = Camera.around(in_view, (0.35, -1.0, 0.45))
+    photograph(folder / "knot-clean.png", V, F, camera)
+    limits = (0.0, 2.0)
+    for (name, steps), V_now in meshes.items():
+        photograph(folder / f"knot-{name}-{steps}.png", V_now, F, camera)
+        photograph(
+            folder / f"knot-{name}-{steps}-error.png", V_now, F, camera,
+            values=errors(V_now, V, F), limits=limits, colours=ERRORS, smooth=True,
+        )  # fmt: skip
+    colour_bar(
+        folder / "knot-errors.svg", limits, "distance from the clean place, in mean edge lengths"
+    )
+
+
+def knot_curves(folder, data):
+    """Figure 3, and the normal angle beside it."""
+    with plotting.figure(folder / "knot-curves.svg", columns=2) as (left, right):
+        plotting.draw_curves(left, data["knot"], "snr", best="max")
+        left.set(xlabel="iterations", ylabel="SNR (dB)", xticks=range(0, 21, 5))
+        plotting.draw_curves(right, data["knot"], "normal_angle", best="min")
+        right.set(xlabel="iterations", ylabel="mean normal angle (degrees)", xticks=range(0, 21, 5))
+        right.set_ylim(bottom=0)
+        left.legend()
+
+
+def spectrum(folder, data):
+    """Eigenvalues of I - W~, and what one step makes of each."""
+    table = data["spectrum"]
+    with plotting.figure(folder / "spectrum.svg", columns=2) as (left, right):
+        plotting.draw_curves(left, table, "mu", x="index")
+        left.axhline(2, color="0.3", lw=0.8, ls="--")
+        left.text(15, 2.04, r"bound for $\tau = 1$", fontsize=8, color="0.3", va="bottom")
+        left.set(xlabel="eigenvalue number", ylabel=r"eigenvalue $\mu$ of $I - \widetilde{W}$")
+        left.set_ylim(0, 2.6)
+        left.legend(loc="lower right")
+        mu = np.linspace(0, table["mu"].max(), 300)
+        for tau, style in ((0.2, "-"), (2 / 3, "--"), (1.0, ":")):
+            label = {0.2: "0.2", 1.0: "1"}.get(tau, "2/3")
+            right.plot(mu, 1 - tau * mu, style, color="0.15", label=rf"$\tau = {label}$")
+        right.axhspan(-1.6, -1, color="#D55E00", alpha=0.12, lw=0)
+        right.text(0.05, -1.16, "grows", fontsize=8, color="#A04000", va="center")
+        right.set(xlabel=r"eigenvalue $\mu$", ylabel=r"factor of one step, $1 - \tau\mu$")
+        right.set_ylim(-1.4, 1.05)
+        right.legend(loc="upper right")
+
+
+JET_CAMERA = {"direction": (0.75, 0.85, 0.5), "aspect": 2.0}
+MISSILE_CAMERA = {"direction": (0.9, 1.0, 0.45), "margin": 0.0}
+MISSILES_IN_VIEW = ("tip missile left", "outer missile left")
+
+
+def jet_states(name, times, weights):
+    """Clean, faces, and {(weights, time): V} of the jet's heat flow; time 0 is the noisy mesh."""
+    V, F = load_mesh(name)
+    V_noisy = add_noise(V, F, seed=SEED, model=JET_NOISE["noise"], size=JET_NOISE["size"])
+    states = {("noisy", 0.0): V_noisy}
+    for kind in weights:
+        for time, V_now in flow.heat(V_noisy, operator(V_noisy, F, kind), 0.2, max(times)):
+            if time in times:
+                states[kind, time] = V_now
+    return V, F, states
+
+
+def jet_meshes(folder, _):
+    """Figures 5 and 7: the jet with missiles under the flow, whole and close by."""
+    V, F, states = jet_states("jet", (0.6, 2.0, 4.0), WEIGHTS)
+    camera = Camera.around(V, **JET_CAMERA)
+    parts = jet_parts()
+    in_view = np.concatenate([parts[name][0] for name in MISSILES_IN_VIEW])
+    close = Camera.around(in_view, **MISSILE_CAMERA, aspect=LOW[0] / LOW[1])
+    states["clean", 0.0] = V
+    for (name, time), V_now in states.items():
+        photograph(folder / f"jet-{name}-{time:g}.png", V_now, F, camera, WIDE)
+        photograph(folder / f"missiles-{name}-{time:g}.png", V_now, F, close, LOW)
+
+
+def jet_without_missiles(folder, data):
+    """Figure 8: the jet without missiles, each weights at its best time."""
+    table = data["jet_without_missiles"]
+    best = table.loc[table.groupby("weights")["snr"].idxmax()].set_index("weights")["time"]
+    V, F, states = jet_states("jet without missiles", tuple(best), WEIGHTS)
+    camera = Camera.around(V, **JET_CAMERA)
+    photograph(folder / "plain-noisy.png", states["noisy", 0.0], F, camera, WIDE)
+    for name in WEIGHTS:
+        photograph(folder / f"plain-{name}.png", states[name, best[name]], F, camera, WIDE)
+
+
+def jet_curves(folder, data):
+    """Figure 6: SNR with and without missiles, and the missiles' own error."""
+    with plotting.figure(folder / "jet-curves.svg", columns=2, sharey=True) as (left, right):
+        plotting.draw_curves(left, data["jet"], "snr", best="max")
+        left.set(title="with missiles", xlabel="time", ylabel="SNR (dB)")
+        plotting.draw_curves(right, data["jet_without_missiles"], "snr", best="max")
+        right.set(title="without missiles", xlabel="time")
+        left.legend()
+    with plotting.figure(folder / "jet-parts.svg", columns=2, sharey=True) as panels:
+        for axes, part in zip(panels, ("missiles", "aircraft"), strict=True):
+            rows = data["jet_parts"].query("part == @part")
+            plotting.draw_curves(axes, rows, "error", best="min")
+            axes.axhline(rows["error"].iloc[0], color="0.3", lw=0.8, ls="--")
+            axes.set(title=part, xlabel="time")
+            axes.set_ylim(bottom=0)
+        panels[0].set_ylabel("mean error (mean edge lengths)")
+        panels[0].legend(loc="upper left")
+
+
+def f16(folder, data):
+    """The seed's own F-16, where it is downloaded."""
+    if "f16" not in data:
+        return
+    with plotting.figure(folder / "f16-curves.svg", (3.6, 2.5)) as axes:
+        plotting.draw_curves(axes, data["f16"], "snr", best="max")
+        axes.set(xlabel="time", ylabel="SNR (dB)")
+        axes.legend()
+    V, F = load_mesh("f16")
+    V_noisy = add_noise(V, F, "uniform", SEED, decibels=22.7)
+    in_view = np.concatenate([V, V_noisy])
+    camera = Camera.around(in_view, (-0.75, 0.5, 0.85), up=(0, 1, 0), aspect=2.0)
+    photograph(folder / "f16-clean.png", V, F, camera, WIDE)
+    photograph(folder / "f16-noisy.png", V_noisy, F, camera, WIDE)
+    for name in ("combinatorial", "cotangent"):
+        V_now = dict(flow.heat(V_noisy, operator(V_noisy, F, name), 0.2, 4.0))[4.0]
+        photograph(folder / f"f16-{name}.png", V_now, F, camera, WIDE)
+
+
+def full_resolution(folder, data):
+    """Averaging at the bunny's full resolution."""
+    names = [name for name in ("bunny", "large_sphere") if name in data]
+    width = 3.4 * len(names) if len(names) == 2 else 3.8
+    with plotting.figure(
+        folder / "full-resolution.svg", (width, 2.5), columns=len(names), squeeze=False
+    ) as panels:
+        for axes, name in zip(panels[0], names, strict=True):
+            plotting.draw_curves(axes, data[name], "snr", best="max")
+            axes.set(title=name.replace("_", " "), xlabel="iterations", xticks=range(0, 21, 5))
+        panels[0][0].set_ylabel("SNR (dB)")
+        panels[0][-1].legend()
+    if "bunny" in data:
+        V, F = load_mesh("bunny")
+        V_noisy = add_noise(V, F, "normals", SEED, size=0.2)
+        camera = Camera.around(V[np.unique(F)], (0.1, 0.25, 1.0), up=(0, 1, 0), aspect=1.0)
+        for name, V_now in {
+            "noisy": V_noisy,
+            **{w: flow.average(V_noisy, operator(V_noisy, F, w), 5) for w in WEIGHTS},
+        }.items():
+            photograph(folder / f"bunny-{name}.png", V_now, F, camera, (900, 900))
+
+
+def agreement(folder, data):
+    """Where SNR and normal angle would stop the flow."""
+    table = data["agreement"]
+    labels = list(dict.fromkeys(table["mesh"]))
+    panels = (("snr_time", "angle_time"), ("angle_at_snr_time", "angle_at_angle_time"))
+    with plotting.figure(folder / "agreement.svg", (6.3, 2.7), columns=2, sharey=True) as both:
+        for axes, (at_snr, at_angle) in zip(both, panels, strict=True):
+            for k, (name, rows) in enumerate(table.groupby("weights", sort=False)):
+                y = np.arange(len(rows)) + 0.22 * (k - 1)
+                style = {
+                    "color": plotting.WEIGHT_COLOURS[name],
+                    "marker": plotting.WEIGHT_MARKS[name],
+                }
+                axes.hlines(y, rows[at_snr], rows[at_angle], color=style["color"], lw=1)
+                axes.plot(rows[at_snr], y, ls="", ms=5, label=name, **style)
+                axes.plot(rows[at_angle], y, ls="", ms=5, mfc="white", **style)
+        left, right = both
+        left.set(xlabel="stopping time", yticks=range(len(labels)), yticklabels=labels)
+        left.invert_yaxis()
+        right.set(xlabel="mean normal angle (degrees)")
+        handles, names = right.get_legend_handles_labels()
+        left.figure.legend(handles, names, loc="outside upper center", ncols=3)
+
+
+FIGURES = {
+    draw.__name__: draw
+    for draw in (
+        cotangent_angles, knot_meshes, knot_curves, spectrum, jet_meshes, jet_curves,
+        jet_without_missiles, f16, full_resolution, agreement,
+    )
+}  # fmt: skip

@@ -1,0 +1,197 @@
+"""Every number that the report's text names, computed from the experiments' tables."""
+
+from meshfair import shapes
+from meshfair.experiments import load_mesh
+from meshfair.experiments.seed import F16_DECIBELS, KNOT_DECIBELS, TAU, TIME
+from meshfair.mesh import components, edges, mean_edge_length, unique_faces
+from tables import JET_NOISE
+
+SHORT = {"combinatorial": "comb", "distance": "dist", "cotangent": "cot"}
+
+
+def numbers(data):
+    """Format the numbers of the text.
+
+    Parameters
+    ----------
+    data : dict of str to pandas.DataFrame
+        The experiments' tables by name; some may be missing.
+
+    Returns
+    -------
+    dict of str to str
+        What ``#n("key")`` in report.typ stands for. Keys under ``has-`` tell
+        which of the optional experiments there are.
+    """
+    found = {
+        "tau": f"{TAU:g}",
+        "time": f"{TIME:g}",
+        "knot-decibels": f"{KNOT_DECIBELS:g}",
+        "f16-decibels": f"{F16_DECIBELS:g}",
+        "jet-size": f"{JET_NOISE['size']:g}",
+    }
+    for name in ("f16", "bunny"):
+        found[f"has-{name}"] = name in data
+    for part in (
+        _meshes,
+        _table_1,
+        _knot,
+        _spectrum,
+        _jets,
+        _large,
+        _reduction,
+        _origin,
+        _agreement,
+    ):
+        found |= part(data)
+    return found
+
+
+def _best(table, column="snr"):
+    return table.loc[table[column].idxmax()]
+
+
+def _meshes(data):
+    found = {}
+    names = ["knot", "jet", "jet without missiles", "large sphere"]
+    names += [name for name in ("f16", "bunny") if name in data]
+    for name in names:
+        V, F = load_mesh(name)
+        key = name.replace(" ", "-")
+        found[f"{key}-vertices"] = f"{len(V):,}"
+        found[f"{key}-faces"] = f"{len(F):,}"
+        found[f"{key}-components"] = str(components(F, len(V))[0])
+    if "f16" in data:
+        F = load_mesh("f16")[1]
+        found["f16-duplicates"] = str(len(F) - len(unique_faces(F)))
+        _, faces_of_edge = edges(F)
+        found["f16-boundary"] = str((faces_of_edge == 1).sum())
+        found["f16-nonmanifold"] = str((faces_of_edge > 2).sum())
+    V, F = shapes.jet()
+    missile, _ = shapes.jet_parts()["tip missile left"]
+    found["missile-edges"] = f"{_tube_width(missile) / mean_edge_length(V, F):.1f}"
+    return found
+
+
+def _tube_width(V):
+    """Width of a missile's tube: the extent of its foremost third, which has no fins."""
+    front = V[V[:, 0] > V[:, 0].max() - (V[:, 0].max() - V[:, 0].min()) / 3]
+    return front[:, 2].max() - front[:, 2].min()
+
+
+def _table_1(data):
+    table = data["table_1"]
+    found = {"draws": f"{table['draws'].iloc[0]}"}
+    uniform = table[table["noise"] == "uniform"]
+    for name, short in SHORT.items():
+        rows = uniform[uniform["weights"] == name]
+        off = (rows["snr_mean"] - rows["seed_snr"]).abs()
+        steps = ((rows["time_mean"] - rows["seed_time"]) / TAU).abs()
+        found[f"t1-{short}-off"] = f"{off.max():.2f}"
+        found[f"t1-{short}-off-low"] = f"{(rows['snr_mean'] - rows['seed_snr']).min():.2f}"
+        found[f"t1-{short}-off-high"] = f"{(rows['snr_mean'] - rows['seed_snr']).max():.2f}"
+        found[f"t1-{short}-steps"] = f"{steps.max():.1f}"
+    found["t1-gain-low"] = f"{uniform['gain_mean'].min():.1f}"
+    found["t1-gain-high"] = f"{uniform['gain_mean'].max():.1f}"
+    cell = uniform[(uniform["weights"] == "cotangent") & (uniform["row"] < 13)].iloc[0]
+    found |= {
+        "t1-last-time": f"{cell['time_mean']:.2f}",
+        "t1-last-time-std": f"{cell['time_std']:.2f}",
+        "t1-last-snr": f"{cell['snr_mean']:.2f}",
+        "t1-last-seed-time": f"{cell['seed_time']:.1f}",
+        "t1-last-seed-snr": f"{cell['seed_snr']:.2f}",
+        "t1-last-row": f"{cell['row']:.2f}",
+    }
+    first = table[table["row"] == table["row"].iloc[0]].set_index(["noise", "weights"])
+    found["t1-first-row"] = f"{table['row'].iloc[0]:.2f}"
+    for name, short in SHORT.items():
+        for noise in ("uniform", "normals"):
+            found[f"t1-first-{noise}-{short}"] = f"{first.loc[(noise, name), 'snr_mean']:.1f}"
+    readings = data["distance_readings"]
+    found["readings"] = str(readings["reading"].nunique())
+    return found
+
+
+def _knot(data):
+    table = data["knot"]
+    found = {}
+    for name, rows in table.groupby("weights"):
+        short = SHORT[name]
+        rows = rows.set_index("time")
+        for steps in (1, 2, 10, 20):
+            found[f"knot-{short}-{steps}"] = f"{rows.loc[steps, 'snr']:.2f}"
+            found[f"knot-{short}-angle-{steps}"] = f"{rows.loc[steps, 'normal_angle']:.1f}"
+            found[f"knot-{short}-volume-{steps}"] = f"{-100 * rows.loc[steps, 'volume_change']:.0f}"
+        found[f"knot-{short}-best"] = f"{rows['snr'].idxmax():.0f}"
+        found[f"knot-{short}-angle-best"] = f"{rows['normal_angle'].min():.1f}"
+        found[f"knot-{short}-angle-best-steps"] = f"{rows['normal_angle'].idxmin():.0f}"
+    found["knot-noisy-angle"] = f"{table['normal_angle'].iloc[0]:.1f}"
+    return found
+
+
+def _spectrum(data):
+    largest = data["spectrum"].groupby("weights")["mu"].max()
+    found = {f"mu-{SHORT[name]}": f"{mu:.2f}" for name, mu in largest.items()}
+    return found | {"tau-max-cot": f"{2 / largest['cotangent']:.2f}"}
+
+
+def _jets(data):
+    found = {}
+    for key in ("jet", "jet_without_missiles", *(["f16"] if "f16" in data else [])):
+        table, dashed = data[key], key.replace("_", "-")
+        found[f"{dashed}-noisy"] = f"{table['snr'].iloc[0]:.1f}"
+        for name, rows in table.groupby("weights"):
+            best = _best(rows)
+            found[f"{dashed}-{SHORT[name]}-best"] = f"{best['snr']:.2f}"
+            found[f"{dashed}-{SHORT[name]}-time"] = f"{best['time']:.1f}"
+            found[f"{dashed}-{SHORT[name]}-end"] = f"{rows['snr'].iloc[-1]:.2f}"
+    parts = data["jet_parts"].pivot_table(index=["part", "weights"], columns="time", values="error")
+    for part in ("missiles", "aircraft"):
+        found[f"{part}-noisy"] = f"{parts.loc[part].iloc[0, 0]:.2f}"
+        for name, short in SHORT.items():
+            row = parts.loc[part, name]
+            found[f"{part}-{short}-least"] = f"{row.min():.2f}"
+            found[f"{part}-{short}-least-time"] = f"{row.idxmin():.1f}"
+            found[f"{part}-{short}-end"] = f"{row.iloc[-1]:.2f}"
+    return found
+
+
+def _large(data):
+    found = {}
+    for key in ("large_sphere", "bunny"):
+        if key not in data:
+            continue
+        dashed = key.replace("_", "-")
+        found[f"{dashed}-noisy"] = f"{data[key]['snr'].iloc[0]:.1f}"
+        for name, rows in data[key].groupby("weights"):
+            best = _best(rows)
+            found[f"{dashed}-{SHORT[name]}-best"] = f"{best['snr']:.1f}"
+            found[f"{dashed}-{SHORT[name]}-steps"] = f"{best['time']:.0f}"
+    found["large-steps"] = f"{data['large_sphere']['time'].max():.0f}"
+    return found
+
+
+def _reduction(data):
+    return {}
+
+
+def _origin(data):
+    snr = data["origin"].astype({"where": str}).set_index("where")["snr"]
+    moved = snr.drop("as stored")
+    return {
+        "origin-stored": f"{snr['as stored']:.1f}",
+        "origin-centred": f"{moved.iloc[0]:.1f}",
+        "origin-far": f"{moved.iloc[-1]:.1f}",
+        "origin-far-diagonals": f"{float(moved.index[-1]):g}",
+    }
+
+
+def _agreement(data):
+    table = data["agreement"]
+    ratio = table["angle_time"] / table["snr_time"]
+    return {
+        "agree-ratio-low": f"{ratio.min():.1f}",
+        "agree-ratio-high": f"{ratio.max():.0f}",
+        "agree-volume-snr": f"{-100 * table['volume_at_snr_time'].min():.0f}",
+        "agree-volume-angle": f"{-100 * table['volume_at_angle_time'].min():.0f}",
+    }
