@@ -9,14 +9,14 @@ from PIL import Image
 
 from meshfair import experiments, flow, plotting
 from meshfair.experiments.cases import WEIGHTS, add_noise, load_mesh, operator
-from meshfair.mesh import mean_edge_length
+from meshfair.mesh import clean, cluster, edges, half_edges, mean_edge_length
 from meshfair.shapes import jet_parts
 from meshfair.viewer import Camera, render
 from tables import JET_NOISE, SEED
 
 PIXELS = (1000, 750)
 WIDE = (1400, 700)
-LOW = (1000, 560)
+LOW = (1000, 480)
 ERRORS = "viridis"
 
 
@@ -246,10 +246,35 @@ def agreement(folder, data):
         left.figure.legend(handles, names, loc="outside upper center", ncols=3)
 
 
+def reduction(folder, data):
+    """The reduced knot's bad triangles, before and after the repair."""
+    V, F = cluster(*load_mesh("fine knot"), data["reduction"]["cell"].max())
+    camera = Camera.around(V, (0.35, -1.0, 0.45))
+    split = clean(V, F, duplicates=True, split=True)
+    sides = []
+    for X, T in ((V, F), (split.V, split.F)):
+        bad = bad_faces(T).astype(float)
+        sides.append(
+            render(X, T, camera, size=PIXELS, values=bad, limits=(0, 1), colours="reds", edges=True)
+        )
+    Image.fromarray(np.concatenate(sides, axis=1)).save(folder / "reduction.png")
+
+
+def bad_faces(F):
+    """Faces stored twice, or with an edge that has more than two faces."""
+    _, group, count = np.unique(np.sort(F, axis=1), axis=0, return_inverse=True, return_counts=True)
+    repeated = count[group.ravel()] > 1
+    E, faces_of_edge = edges(F)
+    crowded = {tuple(edge) for edge in E[faces_of_edge > 2]}
+    H = np.sort(half_edges(F), axis=1)
+    at_crowded = np.array([tuple(edge) in crowded for edge in H]).reshape(3, -1).any(axis=0)
+    return repeated | at_crowded
+
+
 FIGURES = {
     draw.__name__: draw
     for draw in (
         cotangent_angles, knot_meshes, knot_curves, spectrum, jet_meshes, jet_curves,
-        jet_without_missiles, f16, full_resolution, agreement,
+        jet_without_missiles, f16, full_resolution, reduction, agreement,
     )
 }  # fmt: skip

@@ -172,7 +172,26 @@ def _large(data):
 
 
 def _reduction(data):
-    return {}
+    table = data["reduction"].set_index(["cell", "treatment"])
+    first = table.loc[table.index[0][0]]
+    twice, once = (
+        first.loc["repeated faces counted twice"],
+        first.loc["repeated faces counted once"],
+    )
+    split = first.loc["dropped and split"]
+    V, _ = load_mesh("fine knot")
+    return {
+        "reduced-from": f"{len(V):,}",
+        "reduced-to": f"{twice['vertices']:,.0f}",
+        "reduced-repeated": f"{twice['repeated']:.0f}",
+        "reduced-nonmanifold": f"{twice['nonmanifold']:.0f}",
+        "reduced-boundary": f"{twice['boundary']:.0f}",
+        "reduced-error": f"{100 * twice['weight_error']:.1f}",
+        "reduced-snr-twice": f"{twice['snr']:.2f}",
+        "reduced-snr-once": f"{once['snr']:.2f}",
+        "reduced-snr-split": f"{split['snr']:.2f}",
+        "reduced-split-boundary": f"{split['boundary']:.0f}",
+    }
 
 
 def _origin(data):

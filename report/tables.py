@@ -82,7 +82,7 @@ def large_sphere(**_):
 
 def reduction(**_):
     """What reducing a mesh does to the cotangent weights."""
-    return experiments.reduction("knot", SEED)
+    return experiments.reduction("fine knot", SEED)
 
 
 def origin(**_):

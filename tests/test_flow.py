@@ -4,8 +4,8 @@ import warnings
 import numpy as np
 import pytest
 
-from meshfair import MeshError, StabilityWarning, flow, noise, operators, shapes, weights
 from meshes import fan
+from meshfair import MeshError, StabilityWarning, flow, noise, operators, shapes, weights
 
 SECTIONS, SIDES = 20, 10
 
@@ -42,7 +42,7 @@ def test_a_step_of_one_is_averaging(rng):
 def test_heat_converges_to_the_matrix_exponential_with_first_order(rng):
     from scipy.linalg import expm
 
-    V, F, A = torus_and_average()
+    V, _, A = torus_and_average()
     exact = expm(-(np.eye(len(V)) - A.toarray())) @ V
     errors = []
     for tau in (0.1, 0.05, 0.025):
@@ -105,7 +105,7 @@ def test_best_stopping_is_the_best_of_all(rng):
 
 
 def test_a_clean_mesh_is_best_left_alone():
-    V, F, A = torus_and_average()
+    V, _, A = torus_and_average()
     assert flow.best_stopping(V, V, A, 0.2, 1) == (0.0, np.inf, 0.0)
 
 

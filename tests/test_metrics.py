@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from meshfair import MeshError, metrics, noise, shapes
 from meshes import grid
+from meshfair import MeshError, metrics, noise, shapes
 
 
 @pytest.mark.parametrize("degrees", [1e-6, 0.1, 30, 90, 179])

@@ -5,8 +5,8 @@ from hypothesis import strategies as st
 from scipy.linalg import eigh
 from scipy.sparse import csr_array
 
-from meshfair import MeshError, noise, operators, reference, shapes, weights
 from meshes import CLOSED, RIGHT_TRIANGLE, grid, soups
+from meshfair import MeshError, noise, operators, reference, shapes, weights
 
 
 def all_weights(V, F):

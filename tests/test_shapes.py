@@ -2,8 +2,8 @@ import igl
 import numpy as np
 import pytest
 
-from meshfair import mesh, shapes
 from meshes import CLOSED
+from meshfair import mesh, shapes
 
 
 @pytest.mark.parametrize("build", CLOSED.values(), ids=CLOSED)

@@ -5,8 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.sparse import csr_array
 
-from meshfair import MeshWarning, mesh, reference, shapes, weights
 from meshes import CLOSED, RIGHT_TRIANGLE, fan, grid, rigid_motions, soups
+from meshfair import MeshWarning, mesh, reference, shapes, weights
 
 BUILDERS = {
     "combinatorial": lambda V, F: weights.combinatorial(F, len(V)),

@@ -1,6 +1,6 @@
 """The experiments of the report: each a seeded function that returns a tidy table."""
 
-from meshfair.experiments.beyond import agreement, full_resolution, origin, spectrum
+from meshfair.experiments.beyond import agreement, full_resolution, origin, reduction, spectrum
 from meshfair.experiments.cases import MESHES, NOISE, WEIGHTS, NotDownloadedError, load_mesh
 from meshfair.experiments.seed import (
     curves,
@@ -26,6 +26,7 @@ __all__ = [
     "load_mesh",
     "origin",
     "part_errors",
+    "reduction",
     "spectrum",
     "stopping",
     "sweep",

@@ -4,10 +4,12 @@ import numpy as np
 import pandas as pd
 from scipy.sparse import diags_array
 
-from meshfair import metrics
+from meshfair import flow, metrics, reference
 from meshfair.experiments.cases import WEIGHTS, add_noise, load_mesh
 from meshfair.experiments.seed import curves
-from meshfair.operators import degrees, laplacian
+from meshfair.mesh import clean, cluster, edges, unique_faces
+from meshfair.operators import averaging, degrees, laplacian
+from meshfair.weights import cotangent
 
 
 def full_resolution(mesh, seed=0, size=0.2, steps=20):
@@ -28,6 +30,70 @@ def full_resolution(mesh, seed=0, size=0.2, steps=20):
         weights, time (the iteration), snr.
     """
     return curves(mesh, "normals", seed, size=size, tau=1.0, time=steps)
+
+
+def reduction(mesh="fine knot", seed=0, cells=(2.0, 3.0, 4.0), size=0.2):
+    """What reducing a mesh does to its cotangent weights, and what cleaning mends.
+
+    The mesh is reduced by vertex clustering, noise is added along the normals,
+    and the heat flow with cotangent weights is stopped at its best. Four times:
+    with repeated faces counted twice (as libigl's ``cotmatrix`` does), with our
+    weights on the same faces, with the repeated faces dropped, and with the
+    surface split where it is not manifold besides.
+
+    Parameters
+    ----------
+    mesh : str
+    seed : int
+    cells : sequence of float
+        Sizes of the grid's cells, in mean edge lengths.
+    size : float
+        Noise, as a fraction of the reduced mesh's mean edge length.
+
+    Returns
+    -------
+    pandas.DataFrame
+        cell and treatment; vertices, faces, repeated (faces), nonmanifold
+        and boundary (edges); weight_error, the sum of the weights' differences to
+        those of the cleaned faces over the sum of these; noisy_snr, snr, time.
+    """
+    V, F = load_mesh(mesh)
+    rows = []
+    for cell in cells:
+        V_small, F_small = cluster(V, F, cell)
+        noisy = add_noise(V_small, F_small, "normals", seed, size=size)
+        dropped = clean(noisy, F_small, duplicates=True)
+        split = clean(noisy, F_small, duplicates=True, split=True)
+        right = cotangent(dropped.V, dropped.F)
+        for treatment, W, cleaned in (
+            ("repeated faces counted twice", reference.cotangent(noisy, F_small), None),
+            ("repeated faces counted once", cotangent(noisy, F_small), None),
+            ("repeated faces dropped", cotangent(dropped.V, dropped.F), dropped),
+            ("dropped and split", cotangent(split.V, split.F), split),
+        ):
+            X, T = (noisy, F_small) if cleaned is None else (cleaned.V, cleaned.F)
+            target = V_small if cleaned is None else V_small[cleaned.origin]
+            _, faces_of_edge = edges(T)
+            best = flow.best_stopping(X, target, averaging(W), tau=0.2, time=4.0)
+            same_vertices = W.shape == right.shape
+            rows.append(
+                {
+                    "cell": cell,
+                    "treatment": treatment,
+                    "vertices": len(X),
+                    "faces": len(T),
+                    "repeated": len(T) - len(unique_faces(T)),
+                    "nonmanifold": (faces_of_edge > 2).sum(),
+                    "boundary": (faces_of_edge == 1).sum(),
+                    "weight_error": abs(W - right).sum() / abs(right).sum()
+                    if same_vertices
+                    else np.nan,
+                    "noisy_snr": metrics.snr(target, X),
+                    "snr": best.snr,
+                    "time": best.time,
+                }
+            )
+    return pd.DataFrame(rows)
 
 
 def origin(mesh="knot", seed=0, decibels=22.71, shifts=(0.0, 0.5, 1.0, 2.0, 4.0)):

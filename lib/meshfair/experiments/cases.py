@@ -10,6 +10,7 @@ from meshfair.operators import averaging
 
 MESHES = {
     "knot": shapes.knot,
+    "fine knot": partial(shapes.knot, 480, 48),
     "torus": shapes.torus,
     "sphere": shapes.icosphere,
     "large sphere": partial(shapes.icosphere, 6),

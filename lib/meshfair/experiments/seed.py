@@ -108,7 +108,8 @@ def table_1(draws=20, executor=None, *, path=None, progress=True):
     pandas.DataFrame
         A row for each noise, snr and weights: means and standard deviations
         over the draws of time, snr and gain (``time_mean``, ``time_std``,
-        ...), the number of draws, and the seed's own figures (``seed_time``, ``seed_snr``, ``seed_gain``).
+        ...), the number of draws, and the seed's own figures (``seed_time``,
+        ``seed_snr``, ``seed_gain``).
 
     Raises
     ------

@@ -1,0 +1,124 @@
+"""What the report claims, held against the experiments themselves."""
+
+import numpy as np
+import pytest
+
+from meshfair import MeshError, experiments, metrics
+from meshfair.experiments.cases import add_noise, load_mesh
+
+pytestmark = pytest.mark.filterwarnings("ignore::meshfair.StabilityWarning")
+
+
+@pytest.fixture(scope="module")
+def table_1():
+    return experiments.table_1(draws=20, progress=False)
+
+
+def test_table_1_of_the_seed_comes_out_again(table_1):
+    uniform = table_1[table_1["noise"] == "uniform"]
+    # The seed's noisy meshes: SNR of the row, up to a draw's own variation.
+    assert (uniform["noisy_snr_mean"] - uniform["row"]).abs().max() < 0.15
+    ours = uniform[uniform["weights"] != "distance"]
+    assert (ours["snr_mean"] - ours["seed_snr"]).abs().max() < 0.15
+    last = (ours["weights"] == "cotangent") & (ours["row"] < 13)  # see the report's section 6
+    steps = (ours["time_mean"] - ours["seed_time"]).abs() / 0.2
+    assert steps[~last].max() <= 2
+    assert steps[last].item() <= 4
+
+
+def test_the_distance_column_does_not(table_1):
+    distance = table_1.query("noise == 'uniform' and weights == 'distance'")
+    assert (distance["snr_mean"] - distance["seed_snr"]).min() > 0.15
+
+
+def test_more_noise_takes_longer_and_gains_more(table_1):
+    for _, rows in table_1.groupby(["noise", "weights"], observed=True):
+        rows = rows.sort_values("row", ascending=False)
+        assert rows["time_mean"].is_monotonic_increasing
+        assert rows["gain_mean"].is_monotonic_increasing
+
+
+def test_noise_along_the_normals_gains_far_more(table_1):
+    gains = table_1.pivot_table(
+        index=["row", "weights"], columns="noise", values="gain_mean", observed=True
+    )
+    assert (gains["normals"] > 3 * gains["uniform"]).all()
+
+
+@pytest.fixture(scope="module")
+def knot():
+    return experiments.curves(
+        "knot", "uniform", 1, decibels=22.71, tau=1.0, time=20, angles=True
+    ).set_index(["weights", "time"])
+
+
+def test_the_knot_after_one_and_ten_iterations(knot):
+    assert knot.loc[("combinatorial", 0), "snr"] == pytest.approx(22.71, abs=1e-9)
+    one, ten = knot.xs(1, level="time"), knot.xs(10, level="time")
+    assert one["snr"].idxmax() == one["normal_angle"].idxmin() == "combinatorial"
+    assert ten["snr"].idxmax() == "cotangent"
+    assert (ten["volume_change"] < -0.5).all()
+
+
+def test_unstable_cotangent_averaging_gets_rough_again(knot):
+    angle = knot.loc["cotangent", "normal_angle"]
+    assert angle[20] > 2 * angle.min()
+    spectrum = experiments.spectrum("knot", "uniform", 1, decibels=22.71)
+    largest = spectrum.groupby("weights")["mu"].max()
+    assert largest["cotangent"] > 2 > largest["distance"]
+    # Eigenvalues of W~ sum to its trace, 0, so those of I - W~ have mean 1.
+    np.testing.assert_allclose(spectrum.groupby("weights")["mu"].mean(), 1, atol=1e-12)
+
+
+def test_missiles_are_lost_first():
+    parts = experiments.part_errors("jet", "normals", 1, size=0.3)
+    table = parts.pivot_table(index=["part", "weights"], columns="time", values="error")
+    ratio = table / table[[0.0]].to_numpy()
+    assert (ratio.loc["missiles", 4.0] > 1.5 * ratio.loc["aircraft", 4.0].to_numpy() - 0.5).all()
+    assert (ratio.loc["missiles"].min(axis=1) > ratio.loc["aircraft"].min(axis=1)).all()
+    assert ratio.loc["missiles", 4.0].idxmin() == "cotangent"
+
+
+def test_parts_are_known_of_the_jet_alone():
+    with pytest.raises(MeshError, match="give 'jet'"):
+        experiments.part_errors("knot", "normals", 1, size=0.3)
+
+
+def test_the_origin_changes_the_snr():
+    snr = experiments.origin("knot").set_index("where")["snr"]
+    assert snr.drop("as stored").is_monotonic_increasing
+    assert snr["4"] - snr["0"] > 20
+
+
+def test_snr_stops_before_the_normals_are_best():
+    table = experiments.agreement([("sphere", 0.3), ("box", 0.3)])
+    assert (table["angle_time"] > table["snr_time"]).all()
+    assert (table["volume_at_angle_time"] < table["volume_at_snr_time"]).all()
+
+
+def test_full_resolution_keeps_up():
+    table = experiments.full_resolution("large sphere", steps=3)
+    assert (table.groupby("weights")["snr"].max() > table["snr"].iloc[0] + 5).all()
+
+
+def test_names_that_are_not_known():
+    with pytest.raises(ValueError, match="no mesh is called 'cube'; there are knot"):
+        load_mesh("cube")
+    V, F = load_mesh("knot")
+    with pytest.raises(ValueError, match="no noise model is called 'salt'"):
+        add_noise(V, F, "salt", 0, size=1)
+    with pytest.raises(ValueError, match="either a size or its decibels"):
+        add_noise(V, F, "uniform", 0)
+
+
+def test_meshes_cannot_be_written_to():
+    V, _ = load_mesh("knot")
+    with pytest.raises(ValueError, match="read-only"):
+        V[0] = 0
+
+
+def test_noise_is_met_at_its_decibels():
+    V, F = load_mesh("jet")
+    for model in ("normals", "gaussian", "uniform"):
+        noisy = add_noise(V, F, model, 3, decibels=30)
+        assert metrics.snr(V, noisy) == pytest.approx(30, abs=1e-9)

@@ -1,0 +1,118 @@
+"""The report: every number in it comes from an experiment, and two runs give the same bytes."""
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+REPORT = ROOT / "report"
+TEXT = (REPORT / "report.typ").read_text(encoding="utf-8")
+
+# Numbers that are part of a name or of a definition, not measured.
+NAMES = re.compile(r"F-16|Open3D|L0\b")
+# In formulas: exponents, halves, the 20 log10 of decibels, the bounds 2/3 and 3 with their proof.
+FORMULA_NUMBERS = {"-1", "0", "1", "2", "3", "10", "20"}
+
+
+def without(pattern, text):
+    return re.sub(pattern, " ", text, flags=re.S)
+
+
+def prose(text):
+    """The text without calls of functions, labels, references, formulas and code."""
+    text = without(r"//[^\n]*", text)
+    text = without(r"`[^`]*`", text)
+    text = without(r"\$[^$]*\$", text)
+    text = without(r'#n\("[^"]*"\)', text)
+    text = without(r'"[^"\n]*"', text)  # file names and keys, and quotations
+    text = without(r"[@<][\w-]+>?", text)
+    text = without(r"(width|columns|spacing): (if has\( *\) )?[\w.%()*{} ]+", text)
+    text = without(r"\b(meshes|v)\(\d+(pt)?", text)
+    return NAMES.sub(" ", text)
+
+
+def typed_numbers(text):
+    """Numbers typed by hand: any digit in the prose, any measured-looking one in a formula."""
+    found = re.findall(r"\d[\d.,]*", prose(text))
+    for formula in re.findall(r"\$[^$]*\$", text):
+        numbers = re.findall(r"\d+(?:\.\d+)?", without(r'"[^"]*"', formula))
+        found += [number for number in numbers if number not in FORMULA_NUMBERS]
+    return found
+
+
+def test_no_number_is_typed_by_hand():
+    assert typed_numbers(TEXT) == []
+
+
+@pytest.mark.parametrize(
+    "typed", ["the best is 23.4 dB", "with $tau = 0.2$ it", "after 7 steps", "of 1,440 vertices"]
+)
+def test_a_typed_number_is_found(typed):
+    assert typed_numbers(TEXT + typed)
+
+
+def test_numbers_are_not_hidden_in_other_files():
+    template = (REPORT / "template.typ").read_text(encoding="utf-8")
+    assert not re.search(r"\d+\.\d+ *(dB|%\])", template)
+    code = (REPORT / "numbers_in_text.py").read_text(encoding="utf-8")
+    assert not re.search(r'"[a-z0-9-]+": f?"[^"{]*\d', code)  # a key with a written-out number
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    """A build of the report from a copy of its sources, with few noise draws."""
+    copy = tmp_path_factory.mktemp("project")
+    shutil.copytree(ROOT / "lib", copy / "lib", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(REPORT, copy / "report", ignore=shutil.ignore_patterns("build", "report.pdf"))
+    build(copy, "first.pdf")
+    return copy
+
+
+def build(copy, name):
+    command = [sys.executable, "report/build.py", "--draws", "2", "--out", name]
+    finished = subprocess.run(command, cwd=copy, capture_output=True, text=True, timeout=900)
+    assert finished.returncode == 0, finished.stderr[-3000:]
+    return (copy / name).read_bytes()
+
+
+@pytest.mark.xdist_group("report")
+def test_two_runs_give_the_same_bytes(built):
+    first = (built / "first.pdf").read_bytes()
+    assert first.startswith(b"%PDF")
+    shutil.rmtree(built / "report/build")
+    assert build(built, "second.pdf") == first
+
+
+@pytest.mark.xdist_group("report")
+def test_the_numbers_are_those_of_the_tables(built):
+    import pandas as pd
+
+    folder = built / "report/build"
+    numbers = json.loads((folder / "numbers.json").read_text(encoding="utf-8"))
+    used = set(re.findall(r'#n\("([^"]*)"\)', TEXT))
+    missing = {key for key in used if key not in numbers} - {
+        key for key in used if key.startswith(("f16", "bunny"))
+    }
+    assert missing == set()
+    knot = pd.read_csv(folder / "tables/knot.csv").set_index(["weights", "time"])
+    assert numbers["knot-comb-10"] == f"{knot.loc[('combinatorial', 10.0), 'snr']:.2f}"
+    table = pd.read_csv(folder / "tables/table_1.csv")
+    cell = table.query("noise == 'normals' and weights == 'combinatorial'").iloc[0]
+    assert numbers["t1-first-normals-comb"] == f"{cell['snr_mean']:.1f}"
+
+
+@pytest.mark.xdist_group("report")
+def test_a_killed_build_goes_on(built):
+    tables = built / "report/build/tables"
+    kept = {path.name: path.stat().st_mtime_ns for path in tables.glob("*.csv")}
+    (tables / "knot.csv").unlink()
+    build(built, "third.pdf")
+    assert (built / "third.pdf").read_bytes() == (built / "first.pdf").read_bytes()
+    for path in tables.glob("*.csv"):
+        if path.name != "knot.csv":
+            assert path.stat().st_mtime_ns == kept[path.name]
