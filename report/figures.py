@@ -9,6 +9,7 @@ from PIL import Image
 
 from meshfair import experiments, flow, plotting
 from meshfair.experiments.cases import WEIGHTS, add_noise, load_mesh, operator
+from meshfair.experiments.seed import F16_DECIBELS, TAU, TIME
 from meshfair.mesh import clean, cluster, edges, half_edges, mean_edge_length
 from meshfair.shapes import jet_parts
 from meshfair.viewer import Camera, render
@@ -117,7 +118,7 @@ def spectrum(folder, data):
         right.text(0.05, -1.16, "grows", fontsize=8, color="#A04000", va="center")
         right.set(xlabel=r"eigenvalue $\mu$", ylabel=r"factor of one step, $1 - \tau\mu$")
         right.set_ylim(-1.4, 1.05)
-        right.legend(loc="upper right")
+        right.legend(loc="lower left", bbox_to_anchor=(0, 0.16))
 
 
 JET_CAMERA = {"direction": (0.75, 0.85, 0.5), "aspect": 2.0}
@@ -131,7 +132,7 @@ def jet_states(name, times, weights):
     V_noisy = add_noise(V, F, seed=SEED, model=JET_NOISE["noise"], size=JET_NOISE["size"])
     states = {("noisy", 0.0): V_noisy}
     for kind in weights:
-        for time, V_now in flow.heat(V_noisy, operator(V_noisy, F, kind), 0.2, max(times)):
+        for time, V_now in flow.heat(V_noisy, operator(V_noisy, F, kind), TAU, max(times)):
             if time in times:
                 states[kind, time] = V_now
     return V, F, states
@@ -189,13 +190,13 @@ def f16(folder, data):
         axes.set(xlabel="time", ylabel="SNR (dB)")
         axes.legend()
     V, F = load_mesh("f16")
-    V_noisy = add_noise(V, F, "uniform", SEED, decibels=22.7)
+    V_noisy = add_noise(V, F, "uniform", SEED, decibels=F16_DECIBELS)
     in_view = np.concatenate([V, V_noisy])
     camera = Camera.around(in_view, (-0.75, 0.5, 0.85), up=(0, 1, 0), aspect=2.0)
     photograph(folder / "f16-clean.png", V, F, camera, WIDE)
     photograph(folder / "f16-noisy.png", V_noisy, F, camera, WIDE)
     for name in ("combinatorial", "cotangent"):
-        V_now = dict(flow.heat(V_noisy, operator(V_noisy, F, name), 0.2, 4.0))[4.0]
+        V_now = dict(flow.heat(V_noisy, operator(V_noisy, F, name), TAU, TIME))[TIME]
         photograph(folder / f"f16-{name}.png", V_now, F, camera, WIDE)
 
 

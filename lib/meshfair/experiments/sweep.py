@@ -34,7 +34,7 @@ def sweep(grid, executor=None, *, path=None, progress=True):
         Started again with the same file, a sweep goes on where it stopped,
         whatever stopped it; a cell that failed is tried again.
     progress : bool
-        Show a progress bar on standard error.
+        Show a progress bar, where standard error is a terminal.
 
     Returns
     -------
@@ -67,7 +67,9 @@ def sweep(grid, executor=None, *, path=None, progress=True):
     }
     with (
         _Journal(path) as journal,
-        tqdm(total=len(cells), initial=len(cells) - len(waiting), disable=not progress) as bar,
+        tqdm(
+            total=len(cells), initial=len(cells) - len(waiting), disable=None if progress else True
+        ) as bar,
     ):
         for key, row in _run(experiment, waiting, executor):
             finished[key] = row
