@@ -5,6 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import settings
+
+# No deadline: a slow machine is no fault. In CI the examples are the same in every run.
+settings.register_profile("meshfair", deadline=None, derandomize=bool(os.environ.get("CI")))
+settings.load_profile("meshfair")
 
 
 @pytest.fixture
