@@ -19,7 +19,7 @@ def fan(faces):
 
 
 def grid(cells=6, irregular=None):
-    """A flat open square in the plane z = 0; ``irregular`` moves its inner vertices in the plane."""
+    """A flat open square at z = 0; ``irregular`` moves its inner vertices in the plane."""
     x, y = np.meshgrid(np.arange(cells + 1.0), np.arange(cells + 1.0), indexing="ij")
     V = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
     k = np.arange((cells + 1) ** 2).reshape(cells + 1, cells + 1)

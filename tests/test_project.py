@@ -17,8 +17,8 @@ PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 # Each module may import those before it. `reference` and `cli` may import all of them.
 ORDER = [
     "checks", "shapes", "io", "datasets", "mesh", "noise", "kernels", "pattern", "ordering",
-    "weights", "intrinsic", "operators", "solve", "flow", "filters", "metrics", "denoising",
-    "quality", "experiments", "plotting", "viewer", "explorers", "grading",
+    "intrinsic", "weights", "operators", "spectrum", "multigrid", "solve", "flow", "filters",
+    "metrics", "denoising", "quality", "experiments", "plotting", "viewer", "explorers", "grading",
 ]  # fmt: skip
 
 

@@ -15,8 +15,8 @@ from meshfair.checks import MeshError, MeshWarning, StabilityWarning
 __version__ = "0.1.0"
 
 _MODULES = (
-    "checks", "shapes", "io", "datasets", "mesh", "noise", "weights", "operators", "flow",
-    "metrics", "experiments", "plotting", "viewer", "reference",
+    "checks", "shapes", "io", "datasets", "mesh", "noise", "weights", "operators", "spectrum",
+    "solve", "flow", "metrics", "experiments", "plotting", "viewer", "explorers", "reference",
 )  # fmt: skip
 
 __all__ = ["MeshError", "MeshWarning", "StabilityWarning", *_MODULES]

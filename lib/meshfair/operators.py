@@ -5,7 +5,7 @@ from scipy.sparse import csr_array, diags_array, eye_array
 from scipy.sparse.linalg import eigs
 
 from meshfair.checks import MeshError, check_mesh
-from meshfair.mesh import face_areas, scatter
+from meshfair.kernels import compiled, on_all_cores
 
 # Below this size a dense eigenvalue problem is quicker and exact.
 DENSE = 100
@@ -22,6 +22,61 @@ def _square(A, name):
     return A
 
 
+def pinned(fixed, n):
+    """Which vertices are held in place, as a mask, or say why not.
+
+    Parameters
+    ----------
+    fixed : array_like
+        A boolean mask of shape (n,), or indices of vertices.
+    n : int
+        Number of vertices.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+
+    Raises
+    ------
+    MeshError
+        A mask of another length, or an index outside 0 .. n - 1.
+    """
+    fixed = np.asarray(fixed)
+    if fixed.dtype == bool:
+        if fixed.shape != (n,):
+            raise MeshError(f"fixed has shape {fixed.shape}; a mask needs ({n},), one a vertex")
+        return fixed
+    if fixed.size == 0:
+        return np.zeros(n, dtype=bool)
+    if fixed.dtype.kind not in "iu" or fixed.ndim != 1:
+        raise MeshError(f"fixed is of type {fixed.dtype}; give a boolean mask or vertex indices")
+    if fixed.min() < 0 or fixed.max() >= n:
+        bad = fixed[(fixed < 0) | (fixed >= n)][0]
+        raise MeshError(f"fixed has vertex index {bad}, but there are {n} vertices (0 to {n - 1})")
+    mask = np.zeros(n, dtype=bool)
+    mask[fixed] = True
+    return mask
+
+
+def check_operator(A, n):
+    """Return an operator on n vertices as csr_array of float64, or say why not.
+
+    Raises
+    ------
+    MeshError
+        Not of shape (n, n), not finite, or a column index out of range.
+    """
+    if np.shape(A) != (n, n):
+        raise MeshError(
+            f"the operator has shape {np.shape(A)}, but V has {n} vertices; "
+            "build it from the same mesh"
+        )
+    A = csr_array(_square(A, "A"), dtype=np.float64)
+    if A.nnz and not 0 <= A.indices.min() <= A.indices.max() < n:
+        raise MeshError("A has an entry in a column that it does not have; build it anew")
+    return A
+
+
 def degrees(W):
     """The diagonal of D: d_i = sum_k w_ik over the edges (i, k).
 
@@ -33,7 +88,8 @@ def degrees(W):
     -------
     ndarray of float64, shape (n,)
     """
-    return _square(W, "W").sum(axis=1)
+    W = _square(W, "W")
+    return W @ np.ones(W.shape[1])
 
 
 def averaging(W):
@@ -56,11 +112,23 @@ def averaging(W):
         ``W`` not square, or not finite.
     """
     W = _square(W, "W")
-    d = degrees(W)
-    isolated = d == 0
-    inverse = np.divide(1.0, d, out=np.zeros_like(d), where=~isolated)
-    A = diags_array(inverse) @ W
-    return csr_array(A + diags_array(isolated.astype(float))) if isolated.any() else csr_array(A)
+    data = np.empty(len(W.data))
+    isolated = np.empty(W.shape[0], dtype=bool)
+    on_all_cores(_divide_by_degree, len(isolated), W.indptr, W.data, data, isolated)
+    A = csr_array((data, W.indices.copy(), W.indptr.copy()), shape=W.shape)
+    return csr_array(A + diags_array(isolated.astype(float))) if isolated.any() else A
+
+
+@compiled
+def _divide_by_degree(first, last, indptr, W, A, isolated):
+    """a_ij = w_ij / d_i; zeros in row i where d_i = 0."""
+    for i in range(first, last):
+        d = 0.0
+        for p in range(indptr[i], indptr[i + 1]):
+            d += W[p]
+        isolated[i] = d == 0
+        for p in range(indptr[i], indptr[i + 1]):
+            A[p] = 0.0 if isolated[i] else W[p] / d
 
 
 def laplacian(W):
@@ -107,7 +175,21 @@ def mass(V, F):
         No mesh.
     """
     V, F = check_mesh(V, F)
-    return csr_array(diags_array(scatter(face_areas(V, F) / 3, F, len(V))))
+    m = np.zeros(len(V))
+    _add_thirds_of_areas(V, F, m)
+    return csr_array(diags_array(m))
+
+
+@compiled
+def _add_thirds_of_areas(V, F, m):
+    for f in range(len(F)):
+        a, b, c = F[f, 0], F[f, 1], F[f, 2]
+        ux, uy, uz = V[b, 0] - V[a, 0], V[b, 1] - V[a, 1], V[b, 2] - V[a, 2]
+        vx, vy, vz = V[c, 0] - V[a, 0], V[c, 1] - V[a, 1], V[c, 2] - V[a, 2]
+        nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+        area = np.sqrt(nx * nx + ny * ny + nz * nz) / 2
+        for i in (a, b, c):
+            m[i] += area / 3
 
 
 def diffusion(W, M):
@@ -139,7 +221,8 @@ def diffusion(W, M):
         raise MeshError(f"W has shape {L.shape} but M has {M.shape}; build both from one mesh")
     m = M.diagonal()
     inverse = np.divide(1.0, m, out=np.zeros_like(m), where=m > 0)
-    return csr_array(eye_array(len(m)) - diags_array(inverse) @ L)
+    L.data *= np.repeat(inverse, np.diff(L.indptr))
+    return csr_array(eye_array(len(m)) - L)
 
 
 def stable_step(A):

@@ -3,22 +3,24 @@
 Each builder returns the symmetric matrix W of the seed's section 2.1 as a
 ``scipy.sparse.csr_array`` of shape (n, n): w_ij where (i, j) is an edge, no
 entry elsewhere, zeros on the diagonal. All three have the same pattern.
+
+Where vertices move and faces do not, the pattern need be found only once:
+
+    pattern = weights.Pattern(F, n)
+    W = weights.cotangent(V, pattern)  # as often as V changes
 """
 
 import warnings
 
 import numpy as np
-from scipy.sparse import coo_array
 
-from meshfair.checks import MeshWarning, check_faces, check_mesh
-from meshfair.mesh import degenerate_faces, edges, half_edges, unique_faces
+from meshfair.checks import MeshError, MeshWarning, check_vertices
+from meshfair.intrinsic import cotangent as intrinsic
+from meshfair.kernels import compiled, on_all_cores
+from meshfair.mesh import DEGENERATE, degenerate_faces, unique_faces
+from meshfair.pattern import Pattern
 
-
-def _symmetric(E, w, n):
-    """W with w at (i, j) and at (j, i) for each row (i, j) of E, repeated rows summed."""
-    i, j = E.T
-    rows, columns = np.concatenate([i, j]), np.concatenate([j, i])
-    return coo_array((np.concatenate([w, w]), (rows, columns)), shape=(n, n)).tocsr()
+__all__ = ["Pattern", "combinatorial", "cotangent", "distance", "intrinsic"]
 
 
 def combinatorial(F, n):
@@ -26,7 +28,7 @@ def combinatorial(F, n):
 
     Parameters
     ----------
-    F : array_like of integers, shape (m, 3)
+    F : array_like of integers, shape (m, 3), or Pattern
     n : int
         Number of vertices.
 
@@ -39,8 +41,8 @@ def combinatorial(F, n):
     MeshError
         No triangles, or an index outside 0 .. n - 1.
     """
-    E, _ = edges(check_faces(F, n))
-    return _symmetric(E, np.ones(len(E)), n)
+    pattern = _pattern(F, n)
+    return pattern.matrix(np.ones(len(pattern.indices)))
 
 
 def distance(V, F):
@@ -51,7 +53,7 @@ def distance(V, F):
     Parameters
     ----------
     V : array_like, shape (n, 3)
-    F : array_like of integers, shape (m, 3)
+    F : array_like of integers, shape (m, 3), or Pattern
 
     Returns
     -------
@@ -63,13 +65,23 @@ def distance(V, F):
     MeshError
         No mesh.
     """
-    V, F = check_mesh(V, F)
-    E, _ = edges(F)
-    i, j = E.T
-    return _symmetric(E, np.linalg.norm(V[i] - V[j], axis=1), len(V))
+    V = check_vertices(V)
+    pattern = _pattern(F, len(V))
+    W = np.empty(len(pattern.indices))
+    on_all_cores(_fill_distance, len(V), V, pattern.indptr, pattern.indices, W)
+    return pattern.matrix(W)
 
 
-def cotangent(V, F):
+@compiled
+def _fill_distance(first, last, V, indptr, indices, W):
+    for i in range(first, last):
+        for p in range(indptr[i], indptr[i + 1]):
+            j = indices[p]
+            x, y, z = V[i, 0] - V[j, 0], V[i, 1] - V[j, 1], V[i, 2] - V[j, 2]
+            W[p] = np.sqrt(x * x + y * y + z * z)
+
+
+def cotangent(V, F, *, negative="keep"):
     """Cotangent weights: w_ij = (cot alpha_ij + cot beta_ij) / 2 [PP93].
 
     alpha_ij and beta_ij are the angles opposite the edge (i, j) in its two
@@ -84,7 +96,10 @@ def cotangent(V, F):
     Parameters
     ----------
     V : array_like, shape (n, 3)
-    F : array_like of integers, shape (m, 3)
+    F : array_like of integers, shape (m, 3), or Pattern
+    negative : {"keep", "clamp"}
+        Keep negative weights, or make them 0. Without them every averaging
+        step is stable, but L is no longer the Laplace-Beltrami operator.
 
     Returns
     -------
@@ -93,33 +108,71 @@ def cotangent(V, F):
 
     Raises
     ------
-    MeshError
-        No mesh.
+    MeshError, ValueError
+        No mesh; ``negative`` neither of the two.
 
     Warns
     -----
     MeshWarning
         Once, where faces are degenerate. They have no angles and contribute 0.
     """
-    V, F = check_mesh(V, F)
+    if negative not in ("keep", "clamp"):
+        raise ValueError(f"negative is {negative!r}; give 'keep' or 'clamp'")
+    V = check_vertices(V)
+    P = _pattern(F, len(V))
+    least = 0.0 if negative == "clamp" else -np.inf
+    W = np.empty(len(P.indices))
+    flat = on_all_cores(
+        _fill_cotangent, len(P.upper), V, P.indices, P.upper, P.lower, P.first, P.opposite, least, W
+    )
+    if P.collapsed or sum(flat):
+        _warn_of_degenerate_faces(V, P.F)
+    return P.matrix(W)
+
+
+@compiled
+def _fill_cotangent(first, last, V, indices, upper, lower, first_opposite, opposite, least, W):
+    """For each edge (i, j) add cot = u . v / |u x v| over the vertices k opposite it."""
+    flat = 0
+    for e in range(first, last):
+        i, j = indices[lower[e]], indices[upper[e]]
+        ex, ey, ez = V[j, 0] - V[i, 0], V[j, 1] - V[i, 1], V[j, 2] - V[i, 2]
+        cotangents = 0.0
+        for s in range(first_opposite[e], first_opposite[e + 1]):
+            k = opposite[s]
+            ux, uy, uz = V[i, 0] - V[k, 0], V[i, 1] - V[k, 1], V[i, 2] - V[k, 2]
+            vx, vy, vz = V[j, 0] - V[k, 0], V[j, 1] - V[k, 1], V[j, 2] - V[k, 2]
+            nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+            doubled_area = np.sqrt(nx * nx + ny * ny + nz * nz)
+            longest = max(
+                ux * ux + uy * uy + uz * uz,
+                vx * vx + vy * vy + vz * vz,
+                ex * ex + ey * ey + ez * ez,
+            )
+            if doubled_area <= DEGENERATE * longest:  # see mesh.degenerate_faces
+                flat += 1
+            else:
+                cotangents += (ux * vx + uy * vy + uz * vz) / doubled_area
+        W[upper[e]] = W[lower[e]] = max(least, cotangents / 2)
+    return flat
+
+
+def _pattern(F, n):
+    """The pattern of these faces, or the pattern that was given for them."""
+    if not isinstance(F, Pattern):
+        return Pattern(F, n)
+    if F.n != n:
+        raise MeshError(f"the pattern has {F.n} vertices, but V has {n}; build it for this mesh")
+    return F
+
+
+def _warn_of_degenerate_faces(V, F):
     F = unique_faces(F)
     flat = degenerate_faces(V, F)
-    if flat.any():
+    if flat.any():  # rounding may decide otherwise than at one corner alone
         warnings.warn(
             f"{flat.sum()} of {len(F)} faces are degenerate (the first has vertices "
             f"{F[flat][0].tolist()}); they contribute nothing to the cotangent weights",
             MeshWarning,
-            stacklevel=2,
+            stacklevel=3,
         )
-    opposite = half_edges(F)  # the edges across from corners a, then b, then c
-    cot = np.concatenate([_cot(V, F, corner, flat) for corner in range(3)])
-    on_edge = opposite[:, 0] != opposite[:, 1]
-    return _symmetric(opposite[on_edge], cot[on_edge] / 2, len(V))
-
-
-def _cot(V, F, corner, flat):
-    """Cotangent of each face's angle at a corner: u . v / |u x v|; 0 in flat faces."""
-    at, to, fro = (V[F[:, (corner + k) % 3]] for k in range(3))
-    u, v = to - at, fro - at
-    dot = np.einsum("ij,ij->i", u, v)
-    return np.divide(dot, np.linalg.norm(np.cross(u, v), axis=1), out=0 * dot, where=~flat)

@@ -1,119 +1,16 @@
-"""Topology, normals, areas: what the other modules ask of a triangle mesh."""
+"""Areas, normals, angles, lengths and volume of a triangle mesh."""
+
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
-from meshfair.checks import check_faces, check_mesh
+from meshfair.checks import MeshError, check_mesh
+from meshfair.mesh.topology import edges
 
 # A triangle is degenerate when its height over its longest edge is this small
 # a part of that edge: below it, rounding decides the normal and the cotangents.
 DEGENERATE = 1e-12
-
-
-def half_edges(F):
-    """The three directed edges of each triangle.
-
-    Parameters
-    ----------
-    F : ndarray of int64, shape (m, 3)
-
-    Returns
-    -------
-    ndarray of int64, shape (3m, 2)
-        Rows 0 .. m-1 are the edges opposite each triangle's first corner,
-        then those opposite its second, then its third.
-    """
-    return np.concatenate([F[:, [1, 2]], F[:, [2, 0]], F[:, [0, 1]]])
-
-
-def edges(F):
-    """Edges without orientation, each once, and how many faces have each.
-
-    Parameters
-    ----------
-    F : array_like of integers, shape (m, 3)
-
-    Returns
-    -------
-    E : ndarray of int64, shape (k, 2)
-        Rows (i, j) with i < j, sorted. An edge from a vertex to itself, which
-        only a degenerate triangle has, is left out.
-    faces_of_edge : ndarray of int64, shape (k,)
-        Number of triangles at each edge, duplicate faces counted once: 1 on
-        the boundary, 2 inside, more where the mesh is not manifold.
-    """
-    F = unique_faces(F)
-    n = F.max() + 1
-    H = half_edges(F)
-    low, high = H.min(axis=1), H.max(axis=1)
-    # One integer for each edge sorts many times faster than rows of two.
-    keys, faces_of_edge = np.unique((low * n + high)[low != high], return_counts=True)
-    return np.column_stack(np.divmod(keys, n)), faces_of_edge
-
-
-def unique_faces(F):
-    """The faces without repetitions, the first of each kept, in their order.
-
-    Two faces are duplicates where they have the same three vertices, whatever
-    their orientation.
-
-    Parameters
-    ----------
-    F : array_like of integers, shape (m, 3)
-
-    Returns
-    -------
-    ndarray of int64, shape (m', 3)
-    """
-    F = check_faces(F, np.max(F, initial=0) + 1)
-    corners = np.sort(F, axis=1)
-    order = np.lexsort(corners.T)  # stable, so the first of equals leads its run
-    repeated = np.all(corners[order[1:]] == corners[order[:-1]], axis=1)
-    return F if not repeated.any() else np.delete(F, order[1:][repeated], axis=0)
-
-
-def is_closed(F):
-    """Whether every edge has exactly two faces: closed, edges manifold.
-
-    The seed's assumption on its meshes (section 1): no boundary, and two
-    faces at each edge.
-
-    Parameters
-    ----------
-    F : array_like of integers, shape (m, 3)
-
-    Returns
-    -------
-    bool
-    """
-    return bool(np.all(edges(F)[1] == 2))
-
-
-def components(F, n):
-    """Connected components of the mesh's graph.
-
-    Parameters
-    ----------
-    F : array_like of integers, shape (m, 3)
-    n : int
-        Number of vertices.
-
-    Returns
-    -------
-    count : int
-        Number of components that have a face; an unreferenced vertex is none.
-    labels : ndarray of int64, shape (n,)
-        Component of each vertex, 0 .. count-1, and -1 where no face uses it.
-    """
-    F = check_faces(F, n)
-    H = half_edges(F)
-    graph = csr_array((np.ones(len(H), dtype=np.int8), (H[:, 0], H[:, 1])), shape=(n, n))
-    _, raw = connected_components(graph, directed=False)
-    labels = np.full(n, -1)
-    used = np.unique(F)
-    _, labels[used] = np.unique(raw[used], return_inverse=True)
-    return int(labels.max()) + 1, labels
 
 
 def area_vectors(V, F):
@@ -220,8 +117,16 @@ def mean_edge_length(V, F):
     -------
     float
         In the units of ``V``.
+
+    Raises
+    ------
+    MeshError
+        No mesh, or one whose faces have all collapsed to points.
     """
-    return float(edge_lengths(V, F).mean())
+    lengths = edge_lengths(V, F)
+    if not len(lengths):
+        raise MeshError("every face names one vertex three times, so there is no edge at all")
+    return float(lengths.mean())
 
 
 def degenerate_faces(V, F):
@@ -237,11 +142,51 @@ def degenerate_faces(V, F):
     ndarray of bool, shape (m,)
         True where the height over the longest edge is at most 1e-12 of it.
     """
-    V, F = check_mesh(V, F)
-    H = half_edges(F)
-    squared = ((V[H[:, 0]] - V[H[:, 1]]) ** 2).sum(axis=1).reshape(3, -1).max(axis=0)
-    doubled_area = 2 * np.linalg.norm(area_vectors(V, F), axis=1)
-    return doubled_area <= DEGENERATE * squared
+    return measure(*check_mesh(V, F)).degenerate
+
+
+class Triangles(NamedTuple):
+    """Measures of triangles, in long contiguous rows; see `measure`."""
+
+    cross: np.ndarray
+    """Normals times twice the area, one coordinate a row; shape (3, m)."""
+    doubled_area: np.ndarray
+    """Shape (m,)."""
+    degenerate: np.ndarray
+    """Which have no area to speak of, see `degenerate_faces`; bool, shape (m,)."""
+    cotangents: np.ndarray
+    """Of the angles at the three corners; 0 in degenerate triangles; shape (3, m)."""
+
+
+def measure(V, F):
+    """Measure the areas and angles of all triangles.
+
+    Parameters
+    ----------
+    V : ndarray of float64, shape (n, 3)
+    F : ndarray of int64, shape (m, 3)
+
+    Returns
+    -------
+    Triangles
+    """
+    # Coordinate by coordinate, so that each array is long and contiguous.
+    X = np.ascontiguousarray(V.T)
+    A, B, C = (np.take(X, F[:, k], axis=1) for k in range(3))
+    a, b, c = C - B, A - C, B - A
+    dot = -np.stack([_dot(b, c), _dot(c, a), _dot(a, b)])
+    cross = np.stack([a[i] * b[j] - a[j] * b[i] for i, j in ((1, 2), (2, 0), (0, 1))])
+    doubled_area = np.sqrt(_dot(cross, cross))
+    # An edge's squared length is the sum of the dot products at its two ends.
+    longest = np.maximum(np.maximum(dot[0] + dot[1], dot[1] + dot[2]), dot[2] + dot[0])
+    degenerate = doubled_area <= DEGENERATE * longest
+    cotangents = np.divide(dot, doubled_area, out=np.zeros_like(dot), where=~degenerate)
+    return Triangles(cross, doubled_area, degenerate, cotangents)
+
+
+def _dot(u, v):
+    """Dot products of the columns of two arrays of shape (3, m)."""
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
 
 
 def area(V, F):

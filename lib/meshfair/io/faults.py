@@ -1,0 +1,19 @@
+"""The errors of the readers and writers, and the four parts that each one names."""
+
+from meshfair.checks import MeshError
+
+DAMAGED = "the file may be cut or damaged, download or export it again"
+
+
+class MeshFileError(MeshError):
+    """A file that is no mesh, or that cannot be written: which, where, why, and what to do."""
+
+
+def fault(place, found, expected, advice=DAMAGED):
+    """The error to raise: where in the file, what is there (cut), what should be, what to do."""
+    return MeshFileError(f"{place}: {found:.300}, but {expected}; {advice}")
+
+
+def quoted(data):
+    """The beginning of some bytes of a file, fit for a message of one line."""
+    return repr(bytes(data[:40]).decode("utf-8", "replace"))

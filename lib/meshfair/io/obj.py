@@ -1,0 +1,72 @@
+"""Wavefront OBJ: lines of a keyword and its values; vertices are counted from 1."""
+
+import re
+
+import numpy as np
+
+from meshfair.io.faults import fault
+from meshfair.io.opening import check_content
+from meshfair.io.text import Lines, clean, encode_rows, is_blank
+
+# The rest of the format is not part of a triangle mesh, and is skipped.
+SKIPPED = frozenset(
+    b"bevel bmat bsp bzp c_interp call cdc cdp con cres csh cstype ctech curv curv2 d_interp deg "
+    b"end g hole l lod maplib mg mtllib o p parm res s scrv shadow_obj sp stech step surf "
+    b"trace_obj trim usemap usemtl vn vp vt".split()
+)
+LONGEST_KEYWORD = max(map(len, SKIPPED))
+# x y z, and a fourth coordinate (1), a colour (3 or 4) or both, which are left out.
+VALUES_OF_VERTEX = (3, 4, 6, 7, 8)
+# What may follow the vertex in a corner v/vt/vn.
+TEXTURE_AND_NORMAL = re.compile(rb"/(?<=\d/)(?:[-+]?\d+)?(?:/(?:[-+]?\d+)?)?(?=\s)")
+
+
+def parse(stream):
+    """Read vertices and polygons from a stream of bytes.
+
+    Returns
+    -------
+    V : ndarray of float64, shape (n, 3)
+    corners, counts
+        The polygons, as in `meshfair.io.faces.check_corners`.
+    """
+    check_content(stream, "OBJ")
+    text = clean(stream.read())
+    lines = Lines(text.replace(b"\\\n", b"  "), original=text)
+    letter, next_code = lines.codes[lines.begin], lines.codes[lines.begin + 1]
+    is_vertex = (letter == ord("v")) & is_blank(next_code)
+    is_face = (letter == ord("f")) & is_blank(next_code)
+    rest = lines[~(is_vertex | is_face)]
+    keywords = rest.first_words(LONGEST_KEYWORD + 1)
+    expected = "a line starts with v, f or another OBJ keyword"
+    rest.require(np.isin(keywords, list(SKIPPED)), keywords, "as keyword", expected)
+    V = _vertices(lines[is_vertex].without_letter())
+    vertices_before = np.cumsum(is_vertex)[is_face]
+    return V, *_faces(lines[is_face].without_letter(), vertices_before, len(V))
+
+
+def _vertices(lines):
+    fits = np.isin(lines.words, VALUES_OF_VERTEX)
+    lines.require(fits, lines.words, "values of a vertex", "it has x, y and z")
+    return lines.numbers()[lines.starts()[:, None] + np.arange(3)]
+
+
+def _faces(lines, vertices_before, n):
+    counts = lines.words
+    lines.require(counts >= 3, counts, "corners of a face", "it has three or more")
+    indices = lines.without(TEXTURE_AND_NORMAL).numbers(np.int64)
+    # Negative ones count back from the vertices read so far: -1 is the latest.
+    before = np.repeat(vertices_before, counts)
+    corners = np.where(indices < 0, indices + before, indices - 1)
+    fits = (indices != 0) & (corners >= 0) & (corners < n)
+    if not fits.all():
+        corner = np.argmin(fits)
+        line = np.searchsorted(np.cumsum(counts), corner, side="right")
+        known = f"the file has {n} vertices (1 to {n}), {before[corner]} of them before this line"
+        raise fault(lines.place(line), f"vertex index {indices[corner]}", known)
+    return corners, counts
+
+
+def encode(V, F, binary):
+    """The bytes of a file; this format has no binary form."""
+    return encode_rows("v %r %r %r\n", V) + encode_rows("f %d %d %d\n", F + 1)

@@ -1,0 +1,63 @@
+"""Object File Format: a header, one line for each vertex, one line for each face."""
+
+import re
+
+import numpy as np
+
+from meshfair.io.faces import spans
+from meshfair.io.faults import fault, quoted
+from meshfair.io.opening import check_content
+from meshfair.io.text import Lines, clean, encode_rows
+
+# The letters of the keyword tell what more each vertex has, in whatever order
+# programs write them. The keyword may be left out, or the blank behind it.
+HEADER = re.compile(
+    rb"\s*+(?:(?P<more>(?:ST|C|N|4)*)OFF|off)?"
+    rb"\s*(?P<n>\d{1,18})\s+(?P<m>\d{1,18})\s+\d{1,18}[^\S\n]*\n"
+)
+
+
+def parse(stream):
+    """Read vertices and polygons from a stream of bytes; returns as `obj.parse`."""
+    check_content(stream, "OFF")
+    text = clean(stream.read())
+    header = HEADER.match(text)
+    if not header:
+        wanted = "OFF and the numbers of vertices, faces and edges were expected, and text"
+        raise fault("header", f"found {quoted(text.strip())}", wanted)
+    more, n, m = header["more"] or b"", int(header["n"]), int(header["m"])
+    columns = 3 + (b"4" in more) + 3 * (b"N" in more) + 2 * (b"ST" in more)
+    lines = Lines(text)[len(Lines(header[0])) :].as_rows([(n, columns * [False]), (m, [True])])
+    if len(lines) != n + m:
+        raise fault("header", f"{n} vertices and {m} faces announced", f"{len(lines)} lines follow")
+    return _vertices(lines[:n], columns, more), *_faces(lines[n:])
+
+
+def _vertices(lines, columns, more):
+    # A colour of 3 or 4 values is found in files that announce none, too.
+    allowed = (columns + 3, columns + 4) if b"C" in more else (columns, columns + 3, columns + 4)
+    expected = f"it has {columns}, and a colour of 3 or 4"
+    lines.require(np.isin(lines.words, allowed), lines.words, "values of a vertex", expected)
+    numbers, starts = lines.numbers(), lines.starts()
+    if b"4" in more:
+        w = numbers[starts + 3]
+        lines.require(w == 1, w, "as fourth coordinate", "only 1 is read", "divide x, y, z by it")
+    return numbers[starts[:, None] + np.arange(3)]
+
+
+def _faces(lines):
+    # Colours may be fractions; all other numbers are integers, which are read faster.
+    has_fractions = np.isin(lines.codes, list(b".eE")).any()
+    numbers = lines.numbers(np.float64 if has_fractions else np.int64)
+    starts, values = lines.starts(), lines.words - 1
+    counts = numbers[starts]
+    fits = np.isin(values - counts, (0, 1, 3, 4))  # no colour, an index of one, RGB, RGBA
+    lines.require(fits, values, "values after the count of a face", "the count is another")
+    counts = counts.astype(np.int64)
+    return numbers[spans(starts + 1, counts)], counts
+
+
+def encode(V, F, binary):
+    """The bytes of a file; the binary form of this format is hardly known."""
+    header = b"OFF\n%d %d 0\n" % (len(V), len(F))
+    return header + encode_rows("%r %r %r\n", V) + encode_rows("3 %d %d %d\n", F)

@@ -1,0 +1,264 @@
+"""Polygon File Format: a header in text that announces elements, then their rows.
+
+An element has properties, and each row has for each of them a number, or a
+list: its length and its numbers. Rows are text, or binary in either byte order.
+"""
+
+import re
+from collections import Counter
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+
+from meshfair.io.faces import spans
+from meshfair.io.faults import fault, quoted
+from meshfair.io.opening import check_content
+from meshfair.io.text import Lines, clean, encode_rows
+
+ORDERS = {"ascii": None, "binary_little_endian": "little", "binary_big_endian": "big"}
+OLD_NAMES = ["char", "uchar", "short", "ushort", "int", "uint", "float", "double"]
+NAMES = ["int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"]
+TYPES = {name: np.dtype(name) for name in (*NAMES, "int64", "uint64")}
+TYPES |= {old: TYPES[name] for old, name in zip(OLD_NAMES, NAMES, strict=True)}
+
+
+class Property(NamedTuple):
+    """One column of an element; ``length`` is the type of a list's length, else None."""
+
+    name: str
+    dtype: np.dtype
+    length: np.dtype | None = None
+
+
+class Element(NamedTuple):
+    """One table of the file, as the header announces it."""
+
+    name: str
+    rows: int
+    properties: list[Property]
+
+
+def parse(stream):
+    """Read vertices and polygons from a stream of bytes; returns as `obj.parse`."""
+    check_content(stream, "PLY")
+    data = stream.read()
+    at = _end_of_header(data)
+    header = Lines(clean(data[:at]))
+    order, elements = _header(header)
+    element, corners = _names_of_faces(elements)
+    if order:
+        tables = _binary_tables(data, at, elements, order)
+    else:
+        tables = _text_tables(Lines(clean(data))[len(header) :], elements)
+    V = np.column_stack([tables["vertex"][axis][0] for axis in "xyz"])
+    corners, counts = tables[element][corners]
+    if element == "tristrips":
+        corners, counts = _strips(corners.astype(np.float64), counts)
+    return V.astype(np.float64), corners, counts
+
+
+def _end_of_header(data):
+    """Where the rows start: after a line end, of the first line's kind if there is one.
+
+    Binary rows may start with a byte that looks like the rest of another kind.
+    """
+    first = re.match(rb"(?:\xef\xbb\xbf)?\s*ply[ \t]*(\r\n|\r|\n)", data)
+    if not first:
+        raise fault("line 1", f"found {quoted(data)}", "a PLY file starts with the line ply")
+    end = rb"[\r\n][ \t]*end_header[ \t]*(?:%b|\r\n|\r|\n|\Z)" % first[1]
+    last = re.search(end, data)
+    if not last:
+        raise fault("header", "it does not end", "the line end_header closes it")
+    return last.end()
+
+
+def _header(lines):
+    """The byte order (None for text) and the elements that a header announces."""
+    orders, elements = [], []
+    for i, line in enumerate(lines.split()):
+        match [word.decode("latin-1") for word in line]:
+            case ["ply"] | ["end_header"] | ["comment" | "obj_info", *_]:
+                pass
+            case ["format", order, "1.0"] if order in ORDERS and not orders:
+                orders.append(ORDERS[order])
+            case ["element", name, rows] if re.fullmatch("[0-9]{1,18}", rows):
+                elements.append(Element(name, int(rows), []))
+            case ["property", dtype, name] if elements and dtype in TYPES:
+                elements[-1].properties.append(Property(name, TYPES[dtype]))
+            case ["property", "list", length, dtype, name] if (
+                elements and dtype in TYPES and length in TYPES and TYPES[length].kind != "f"
+            ):
+                elements[-1].properties.append(Property(name, TYPES[dtype], TYPES[length]))
+            case _:
+                raise fault(
+                    f"header, {lines.place(i)}",
+                    f"found {quoted(b' '.join(line))}",
+                    "one 'format ascii 1.0' or a binary one, 'element NAME COUNT', 'property TYPE "
+                    "NAME' or 'property list INTEGER-TYPE TYPE NAME' was expected",
+                )
+    if not orders:
+        raise fault("header", "no line tells the format", "one like 'format ascii 1.0' has to")
+    for things in filter(None, [elements, *(element.properties for element in elements)]):
+        ((name, times),) = Counter(thing.name for thing in things).most_common(1)
+        if times > 1:
+            raise fault("header", f"{name!r} is announced {times} times", "once was expected")
+    return orders[0], [element for element in elements if element.properties]
+
+
+def _names_of_faces(elements):
+    """The element of faces or strips and its list of corners, if there are vertices, too."""
+    numbers = {(e.name, p.name) for e in elements for p in e.properties if p.length is None}
+    lists = {(e.name, p.name) for e in elements for p in e.properties if p.length is not None}
+    for names in product(["face", "tristrips"], ["vertex_indices", "vertex_index"]):
+        if names in lists and numbers.issuperset(("vertex", axis) for axis in "xyz"):
+            return names
+    announced = [(e.name, *(p.name for p in e.properties)) for e in elements]
+    raise fault(
+        "header",
+        f"the elements and their properties are {announced}",
+        "vertex with numbers x, y and z, and face with a list vertex_indices are needed",
+        "export the file as a mesh of vertices and faces",
+    )
+
+
+def _strips(corners, counts):
+    """Triangles of strips, which end at -1 and at the end of a row.
+
+    Each corner after the first two of a strip makes a triangle with the two
+    before it, and every second one of these is the other way round.
+    """
+    corners = np.insert(corners, np.cumsum(counts), -1)
+    at = np.arange(len(corners))
+    start = np.maximum.accumulate(np.where(corners == -1, at + 1, 0))
+    triangles = np.column_stack([corners[:-2], corners[1:-1], corners[2:]])
+    is_odd = (at - start)[:-2] % 2 == 1
+    triangles[is_odd] = triangles[is_odd][:, [0, 2, 1]]
+    triangles = triangles[~np.any(triangles == -1, axis=1)]
+    return triangles.ravel(), np.full(len(triangles), 3)
+
+
+# A table has for each property the numbers of all rows, one after another, and
+# how many each row has.
+
+
+def _text_tables(lines, elements):
+    """The table of each element, from one line for each row."""
+    lines = lines[lines.first_words(len("comment ")) != b"comment"]
+    lines = lines.as_rows(
+        [(e.rows, [p.length is not None for p in e.properties]) for e in elements]
+    )
+    if sum(element.rows for element in elements) != len(lines):
+        announced = " and ".join(
+            f"{element.rows} rows of element {element.name!r}" for element in elements
+        )
+        raise fault("header", f"{announced} announced", f"{len(lines)} lines follow")
+    tables, at = {}, 0
+    for element in elements:
+        tables[element.name] = _text_table(lines[at : at + element.rows], element)
+        at += element.rows
+    return tables
+
+
+def _text_table(lines, element):
+    def check(fits):
+        found = f"values in a row of element {element.name!r}"
+        lines.require(fits, lines.words, found, "its properties take another number of them")
+
+    fractions = any(p.dtype.kind == "f" for p in element.properties)
+    numbers = lines.numbers(np.float64 if fractions else np.int64)
+    at, end = lines.starts(), lines.starts() + lines.words
+    table = {}
+    for p in element.properties:
+        lengths = np.ones(len(lines), np.int64)
+        if p.length is not None:
+            check(at < end)
+            lengths, at = numbers[at], at + 1
+        check((lengths >= 0) & (lengths <= end - at) & (lengths == np.floor(lengths)))
+        lengths = lengths.astype(np.int64)
+        table[p.name] = numbers[spans(at, lengths)], lengths
+        at = at + lengths
+    check(at == end)
+    return table
+
+
+def _binary_tables(data, at, elements, order):
+    """The table of each element, from rows that start at byte ``at``."""
+    tables = {}
+    for element in elements:
+        least = sum((p.length or p.dtype).itemsize for p in element.properties)
+        if element.rows * least > len(data) - at:
+            found = (
+                f"{element.rows} rows of element {element.name!r}, of {least} bytes or more each"
+            )
+            raise fault(f"byte {at}", found, f"{len(data) - at} bytes are left")
+        tables[element.name], at = _binary_table(data, at, element, order)
+    if data[at:].strip():
+        raise fault(f"byte {at}", f"{len(data) - at} bytes more", "the announced rows end here")
+    return tables
+
+
+def _binary_table(data, at, element, order):
+    """One table, and the byte where it ends."""
+    first, end = _rows_one_by_one(data, at, element, order, min(element.rows, 1))
+    if element.rows < 2:
+        return first, end
+    alike = _rows_alike(data, at, element, order, first)
+    return alike or _rows_one_by_one(data, at, element, order, element.rows)
+
+
+def _rows_alike(data, at, element, order, first):
+    """All rows at once if their lists are as long as those of the first row, else None."""
+    length_of = {name: len(values) for name, (values, _) in first.items()}
+    fields = []
+    for p in element.properties:
+        if p.length is not None:
+            fields.append((f"length of {p.name}", p.length))
+        fields.append((p.name, p.dtype, (length_of[p.name],)))
+    layout = np.dtype(fields).newbyteorder(order)
+    end = at + element.rows * layout.itemsize
+    if end > len(data):
+        return None
+    rows = np.frombuffer(data, layout, element.rows, at)
+    # A list of another length cannot hide: up to it all rows are where they should be.
+    lists = [p.name for p in element.properties if p.length is not None]
+    if any(np.any(rows[f"length of {name}"] != length_of[name]) for name in lists):
+        return None
+    table = {name: (rows[name].ravel(), np.full(len(rows), n)) for name, n in length_of.items()}
+    return table, end
+
+
+def _rows_one_by_one(data, at, element, order, number):
+    """The table of so many rows, whatever the lengths of their lists, and where they end."""
+    pieces = {p.name: [] for p in element.properties}
+    for row in range(number):
+        for p in element.properties:
+            length = 1
+            if p.length is not None:
+                start, at = at, at + p.length.itemsize
+                length = int.from_bytes(data[start:at], order, signed=p.length.kind == "i")
+            start, at = at, at + length * p.dtype.itemsize
+            if not start <= at <= len(data):
+                found = f"row {row} of element {element.name!r} has a list of {length}"
+                raise fault(f"byte {start}", found, f"{len(data) - start} bytes are left")
+            pieces[p.name].append(data[start:at])
+    table = {}
+    for p in element.properties:
+        values = np.frombuffer(b"".join(pieces[p.name]), p.dtype.newbyteorder(order))
+        lengths = np.array([len(piece) for piece in pieces[p.name]], np.int64) // p.dtype.itemsize
+        table[p.name] = values, lengths
+    return table, at
+
+
+def encode(V, F, binary):
+    """The bytes of a file, with coordinates as float64."""
+    header = (
+        f"ply\nformat {'binary_little_endian' if binary else 'ascii'} 1.0\n"
+        f"element vertex {len(V)}\nproperty double x\nproperty double y\nproperty double z\n"
+        f"element face {len(F)}\nproperty list uchar int vertex_indices\nend_header\n"
+    ).encode()
+    if not binary:
+        return header + encode_rows("%r %r %r\n", V) + encode_rows("3 %d %d %d\n", F)
+    faces = np.empty(len(F), [("length", "u1"), ("corners", "<i4", 3)])
+    faces["length"], faces["corners"] = 3, F
+    return header + V.astype("<f8").tobytes() + faces.tobytes()

@@ -1,0 +1,95 @@
+"""Stereolithography: triangles of three positions, in text or binary; no vertex is shared."""
+
+import re
+
+import numpy as np
+
+from meshfair.io import text
+from meshfair.io.faults import fault, quoted
+from meshfair.io.opening import check_content
+
+HEADER = 84  # bytes: 80 of anything, then the number of triangles
+RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+SOLID = re.compile(rb"\s*solid\b[^\n]*")
+FACET = re.compile(
+    # The normal follows from the corners, and is often NaN where there is no area.
+    rb"\s*facet\s+normal\s+\S+\s+\S+\s+\S+\s+outer\s+loop"
+    + 3 * rb"\s+vertex\s+(\S+\s+\S+\s+\S+)"
+    + rb"\s+endloop\s+endfacet\b"
+)
+END = re.compile(rb"\s*end ?solid\b[^\n]*")
+NOTHING = re.compile(rb"\s*\Z")
+
+
+def parse(stream):
+    """Read triangles from a stream of bytes; returns as `obj.parse`, three vertices for each."""
+    size = stream.seek(0, 2)
+    stream.seek(0)
+    head = stream.read(HEADER)
+    announced = int.from_bytes(head[80:], "little")
+    whole = HEADER + announced * RECORD.itemsize
+    stream.seek(0)
+    # Many a binary file starts with solid too, or with anything, so its size decides.
+    if size == whole:
+        V = np.frombuffer(stream.read(), RECORD, offset=HEADER)["corners"]
+        V = V.astype(np.float64).reshape(-1, 3)
+    else:
+        kind = check_content(stream, "STL", "binary data")
+        if kind == "binary data" or not (kind or head.isascii()):
+            found = f"{announced} triangles announced, which makes {whole} bytes"
+            raise fault("header, byte 80", found, f"the file has {size}")
+        V = _corners(text.clean(stream.read()).lower())
+    return V, np.arange(len(V)), np.full(len(V) // 3, 3)
+
+
+def _corners(data):
+    """The positions in a text of lower case."""
+    corners, at = [], 0
+    while not NOTHING.match(data, at):
+        at = _match(SOLID, data, at, "the line solid NAME")
+        while facet := FACET.match(data, at):
+            corners += facet.groups()
+            at = facet.end()
+        at = _match(END, data, at, "a facet (normal, outer loop, three vertices) or endsolid")
+    V = text.parse_numbers(b" ".join(corners), np.float64, 3 * len(corners))
+    if V is None:
+        k = next(k for k, c in enumerate(corners) if text.parse_numbers(c, np.float64, 3) is None)
+        raise fault(f"face {k // 3}", f"vertex {quoted(corners[k])}", "three numbers were expected")
+    return V.reshape(-1, 3)
+
+
+def _match(pattern, data, at, expected):
+    """Where the pattern ends that has to come next."""
+    found = pattern.match(data, at)
+    if not found:
+        rest = data[at : at + 200].strip()
+        place = text.line_at(data, data.find(rest, at))
+        raise fault(
+            place, f"found {quoted(rest) if rest else 'the end'}", f"{expected} has to follow"
+        )
+    return found.end()
+
+
+def encode(V, F, binary):
+    """The bytes of a file; the normal of a triangle without area is zero."""
+    too_large = np.abs(V).max(axis=1) > np.finfo(np.float32).max
+    if too_large.any():
+        i = np.argmax(too_large)
+        advice = "scale the mesh, or write another format"
+        raise fault(f"vertex {i}", f"position {V[i]}", "STL holds values up to 3.4e38", advice)
+    corners = V[F]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
+    if binary:
+        records = np.zeros(len(F), RECORD)
+        records["normal"], records["corners"] = normals, corners
+        return b"meshfair".ljust(80) + len(F).to_bytes(4, "little") + records.tobytes()
+    facet = (
+        "facet normal %.6g %.6g %.6g\nouter loop\n"
+        + 3 * "vertex %r %r %r\n"
+        + "endloop\nendfacet\n"
+    )
+    rows = np.column_stack([normals, corners.reshape(-1, 9)])
+    return b"solid meshfair\n" + text.encode_rows(facet, rows) + b"endsolid meshfair\n"

@@ -1,0 +1,110 @@
+"""How the package's loops become fast: compiled by numba, run in blocks on all cores.
+
+A kernel is a plain Python function that loops over rows ``first .. last - 1``
+and reads like the textbook's formula. It stands in the module whose formula it
+computes:
+
+    @compiled
+    def _double(first, last, x, out):
+        for i in range(first, last):
+            out[i] = 2 * x[i]
+
+    on_all_cores(_double, len(x), x, out)
+
+The cores are used by ordinary Python threads, since compiled code does not
+hold the interpreter's lock. So kernels may be called from several threads at
+once, and in processes that were forked or spawned. numba's own ``parallel=True``
+allows that only with thread libraries that not every installation has.
+"""
+
+import functools
+import os
+from concurrent.futures import ThreadPoolExecutor
+
+# Rows a thread takes at a time. The same on every machine, so that sums over
+# blocks do not depend on the number of cores.
+BLOCK = 16_384
+
+
+def compiled(kernel):
+    """Let numba compile a kernel at its first call, and keep the machine code on disk.
+
+    numba itself is loaded then too: importing the package stays quick. A
+    kernel calls no other kernel.
+
+    Parameters
+    ----------
+    kernel : function of NumPy arrays and numbers
+
+    Returns
+    -------
+    function
+        Called like ``kernel``. Its ``__wrapped__`` is the Python function.
+    """
+
+    @functools.cache
+    def machine_code():
+        import numba
+
+        # "numpy": a division by zero gives inf or NaN, as it does in NumPy.
+        return numba.njit(kernel, nogil=True, cache=True, error_model="numpy")
+
+    @functools.wraps(kernel)
+    def call(*arguments):
+        return machine_code()(*arguments)
+
+    return call
+
+
+@functools.cache
+def threads():
+    """How many cores to use: those this process may use, or NUMBA_NUM_THREADS."""
+    import numba
+
+    return numba.config.NUMBA_NUM_THREADS
+
+
+@functools.cache
+def _helpers():
+    return ThreadPoolExecutor(threads() - 1, thread_name_prefix="meshfair")
+
+
+# The threads do not survive a fork; the child starts its own.
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_helpers.cache_clear)
+
+
+def on_all_cores(kernel, count, *arguments, block=BLOCK):
+    """Run ``kernel(first, last, *arguments)`` over the blocks of range(count).
+
+    Parameters
+    ----------
+    kernel : function
+        Made by `compiled`. Blocks run at the same time, so no two of them may
+        write to the same place.
+    count : int
+        Number of rows.
+    *arguments
+        Passed on to the kernel.
+    block : int
+        Number of rows that a thread takes at a time.
+
+    Returns
+    -------
+    list
+        What the kernel returned for each block, in the order of the blocks.
+    """
+    firsts = range(0, count, block)
+    results = [None] * len(firsts)
+    blocks = iter(enumerate(firsts))  # shared: each thread takes the next one
+
+    def work():
+        for k, first in blocks:
+            results[k] = kernel(first, min(first + block, count), *arguments)
+
+    helpers = [_helpers().submit(work) for _ in range(min(threads(), len(firsts)) - 1)]
+    work()
+    for helper in helpers:
+        if not helper.cancel():  # it did start
+            helper.result()
+    return results

@@ -1,0 +1,124 @@
+"""The frequencies of a mesh, and what heat steps do to each of them.
+
+With symmetric weights W and d_i > 0 the averaging operator W~ = D^-1 W has n
+real eigenvalues lambda = 1 - mu and eigenvectors that are orthonormal in the
+inner product of D, from L phi = mu D phi. A small mu is a slow wave over the
+mesh, its shape; a large one is fast, its noise. These are dense problems: a
+second for a thousand vertices, and the third power of that for more.
+"""
+
+import numpy as np
+from scipy.linalg import eigh, eigvalsh
+
+from meshfair.checks import MeshError, check_number, check_vertices
+from meshfair.operators import degrees, laplacian
+
+LARGEST = 4000  # vertices: a matrix of 128 MB, half a minute
+
+
+def _dense(W):
+    """L and D as dense arrays, or say why there is no spectrum."""
+    L, d = laplacian(W), degrees(W)
+    if len(d) > LARGEST:
+        raise MeshError(
+            f"the mesh has {len(d)} vertices; all eigenvalues need a dense matrix, so take a "
+            f"coarser mesh, of at most {LARGEST}"
+        )
+    if not d.min() > 0:
+        raise MeshError(
+            f"vertex {d.argmin()} has weights that sum to {d.min():g}; the spectrum needs "
+            "positive sums, so remove vertices without faces, and degenerate faces"
+        )
+    return L.toarray(), np.diag(d)
+
+
+def eigenvalues(W):
+    """All eigenvalues of the averaging operator W~ = D^-1 W, the largest first.
+
+    Parameters
+    ----------
+    W : sparse array, shape (n, n)
+        Symmetric edge weights, see `meshfair.weights`.
+
+    Returns
+    -------
+    ndarray of float64, shape (n,)
+        From 1, the constants, downwards: to -1 at the least with weights that
+        are not negative, and above -2 with cotangent weights (see
+        `meshfair.operators.stable_step`).
+
+    Raises
+    ------
+    MeshError
+        More than 4000 vertices, or a vertex whose weights do not sum to a
+        positive number.
+    """
+    return 1 - eigvalsh(*_dense(W))
+
+
+def modes(W):
+    """Eigenvalues of W~ with their eigenvectors, the mesh's waves.
+
+    Parameters
+    ----------
+    W : sparse array, shape (n, n)
+
+    Returns
+    -------
+    eigenvalues : ndarray of float64, shape (n,)
+        As `eigenvalues` gives them.
+    Phi : ndarray of float64, shape (n, n)
+        One wave a column, Phi' D Phi = I.
+
+    Raises
+    ------
+    MeshError
+        As `eigenvalues`.
+    """
+    mu, Phi = eigh(*_dense(W))
+    return 1 - mu, Phi
+
+
+def amplitudes(V, W, Phi):
+    """How much of each wave is in a mesh: the norm of its three coefficients.
+
+    Parameters
+    ----------
+    V : array_like, shape (n, 3)
+        Positions; or a displacement, such as V_noisy - V.
+    W : sparse array, shape (n, n)
+    Phi : ndarray, shape (n, n)
+        From `modes` of the same weights.
+
+    Returns
+    -------
+    ndarray of float64, shape (n,)
+        Their squares sum to sum_i d_i |v_i|^2.
+    """
+    return np.linalg.norm(Phi.T @ (degrees(W)[:, None] * check_vertices(V)), axis=1)
+
+
+def response(eigenvalues, tau, steps=1):
+    """The factor by which heat steps multiply each wave: (1 - tau + tau lambda)^s.
+
+    Parameters
+    ----------
+    eigenvalues : array_like
+        Eigenvalues lambda of W~.
+    tau : float
+        Time step.
+    steps : int
+        Number s of steps.
+
+    Returns
+    -------
+    ndarray of float64, of the same shape
+        1 for what stays, 0 for what goes; a size above 1 grows.
+
+    Raises
+    ------
+    ValueError
+        tau not finite.
+    """
+    tau = check_number(tau, "tau", -np.inf)
+    return (1 - tau + tau * np.asarray(eigenvalues, dtype=float)) ** steps

@@ -1,0 +1,16 @@
+"""Pictures of meshes: on file, live in a notebook, and in a window.
+
+* `render` draws one picture into an array, without a screen: the report's figures.
+* `View` is a live view in a notebook: drag to turn, wheel to zoom.
+* `show` opens polyscope's own window, where there is a screen.
+
+Importing this package needs neither polyscope nor Jupyter; they are loaded
+when something is drawn, and a library that is missing is named in one line.
+"""
+
+from meshfair.viewer.camera import Camera
+from meshfair.viewer.offscreen import has_egl, on_gl_thread, render
+from meshfair.viewer.view import View
+from meshfair.viewer.window import show
+
+__all__ = ["Camera", "View", "has_egl", "on_gl_thread", "render", "show"]

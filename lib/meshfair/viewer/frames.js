@@ -1,0 +1,254 @@
+// Shows the frames that Python sends, and sends back what the pointer does.
+//
+// To Python:  layout  panel size, pixel ratio and background; asks for all panels
+//             move    the camera's change since the last move, while none is unanswered
+//             reset   back to the first camera
+//             shown   the frame is on the screen: the next may come
+//             rest    nothing moves any more: good frames, please
+// To here:    frame   pictures of some panels, their titles and the colour bar
+//             error   a line to show
+
+const PATIENCE = 3000; // ms until a first frame that did not come is asked for again
+const REST = 250; // ms without a new frame until good frames are asked for
+const SCROLL = 400; // ms within which a wheel goes on scrolling the page
+const HINT = "drag to turn · shift-drag to move · wheel to zoom";
+
+function element(name, className, parent) {
+  const node = document.createElement(name);
+  node.className = className;
+  parent?.append(node);
+  return node;
+}
+
+/** The colour on which the notebook draws, each channel from 0 to 1. */
+function background(node) {
+  const channels = getComputedStyle(node).backgroundColor.match(/[\d.]+/g) ?? [255, 255, 255];
+  return channels.slice(0, 3).map((channel) => channel / 255);
+}
+
+function pause(milliseconds) {
+  return new Promise((resolve) => setTimeout(resolve, milliseconds));
+}
+
+/** A number for people: three digits that count. */
+function tidy(number) {
+  const size = Math.abs(number);
+  if (size !== 0 && (size < 1e-3 || size >= 1e5)) return number.toExponential(1);
+  return String(Number(number.toPrecision(3)));
+}
+
+class Bar {
+  constructor(parent) {
+    this.node = element("span", "bar", parent);
+    this.low = element("span", "low", this.node);
+    this.colours = element("i", "", this.node);
+    this.high = element("span", "high", this.node);
+    this.label = element("span", "label", this.node);
+    this.show(null);
+  }
+
+  show(bar) {
+    this.node.hidden = !bar;
+    if (!bar) return;
+    this.low.textContent = tidy(bar.low);
+    this.high.textContent = tidy(bar.high);
+    this.label.textContent = bar.label;
+    this.colours.style.background = `linear-gradient(to right, ${bar.stops.join(",")})`;
+  }
+}
+
+/** Gathers the camera's changes; at most one message to Python is unanswered. */
+class Moves {
+  constructor(model) {
+    this.model = model;
+    this.clear();
+    this.unanswered = -Infinity; // when the last move was sent, until it is answered
+  }
+
+  clear() {
+    this.gathered = { kind: "move", yaw: 0, pitch: 0, pan: [0, 0], zoom: 1 };
+    this.empty = true;
+  }
+
+  add({ yaw = 0, pitch = 0, pan = [0, 0], zoom = 1 }) {
+    this.gathered.yaw += yaw;
+    this.gathered.pitch += pitch;
+    this.gathered.pan[0] += pan[0];
+    this.gathered.pan[1] += pan[1];
+    this.gathered.zoom *= zoom;
+    this.empty = false;
+    this.send();
+  }
+
+  send() {
+    // An answer that never comes, because the kernel was restarted, must not block for ever.
+    if (this.empty || performance.now() - this.unanswered < 2000) return;
+    this.unanswered = performance.now();
+    this.model.send(this.gathered);
+    this.clear();
+  }
+
+  answered() {
+    this.unanswered = -Infinity;
+    this.send();
+  }
+}
+
+/** Turns pointer, wheel and keys on one panel into moves. */
+function control(stage, moves, reset) {
+  let last = null;
+  let scrolled = -Infinity; // when the wheel last moved the page
+
+  stage.addEventListener("pointerdown", (event) => {
+    stage.setPointerCapture(event.pointerId);
+    stage.focus({ preventScroll: true });
+    last = event;
+    event.preventDefault();
+  });
+  stage.addEventListener("pointermove", (event) => {
+    if (!last || event.pointerId !== last.pointerId) return;
+    const x = (event.clientX - last.clientX) / stage.clientHeight;
+    const y = (event.clientY - last.clientY) / stage.clientHeight;
+    last = event;
+    const sliding = event.shiftKey || event.buttons & 6;
+    // One height of the panel is half a turn.
+    moves.add(sliding ? { pan: [-x, y] } : { yaw: -x * Math.PI, pitch: y * Math.PI });
+  });
+  for (const end of ["pointerup", "pointercancel"]) {
+    stage.addEventListener(end, () => (last = null));
+  }
+  stage.addEventListener("contextmenu", (event) => event.preventDefault());
+
+  // A wheel that scrolls the page past the view goes on scrolling: it zooms when it begins here.
+  const elsewhere = (event) => {
+    if (!stage.contains(event.target)) scrolled = event.timeStamp;
+  };
+  window.addEventListener("wheel", elsewhere, { capture: true, passive: true });
+  stage.addEventListener(
+    "wheel",
+    (event) => {
+      if (event.timeStamp - scrolled < SCROLL) {
+        scrolled = event.timeStamp;
+        return;
+      }
+      event.preventDefault();
+      const pixels = event.deltaY * (event.deltaMode === 1 ? 20 : 1);
+      moves.add({ zoom: Math.exp(Math.max(-0.5, Math.min(0.5, pixels / 500))) });
+    },
+    { passive: false },
+  );
+
+  const step = Math.PI / 24;
+  const keys = {
+    ArrowLeft: { yaw: step },
+    ArrowRight: { yaw: -step },
+    ArrowUp: { pitch: -step },
+    ArrowDown: { pitch: step },
+    "+": { zoom: 0.9 },
+    "-": { zoom: 1 / 0.9 },
+  };
+  stage.addEventListener("keydown", (event) => {
+    if (event.key in keys) moves.add(keys[event.key]);
+    else if (event.key.toLowerCase() === "r") reset();
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  });
+  return () => window.removeEventListener("wheel", elsewhere, { capture: true });
+}
+
+function render({ model, el }) {
+  el.classList.add("meshfair-view");
+  const moves = new Moves(model);
+  const reset = () => model.send({ kind: "reset" });
+
+  const row = element("div", "panels", el);
+  const panels = Array.from({ length: model.get("count") }, () => {
+    const figure = element("figure", "", row);
+    const caption = element("figcaption", "", figure);
+    const stage = element("div", "stage", figure);
+    stage.tabIndex = 0;
+    stage.setAttribute("role", "img");
+    stage.dataset.lmSuppressShortcuts = "true"; // JupyterLab keeps its hands off these keys
+    const picture = element("img", "", stage);
+    picture.draggable = false;
+    picture.alt = "";
+    return { caption, stage, picture, release: control(stage, moves, reset) };
+  });
+
+  const foot = element("div", "foot", el);
+  const button = element("button", "", foot);
+  button.textContent = "Reset view";
+  button.addEventListener("click", reset);
+  element("span", "hint", foot).textContent = HINT;
+  const bar = new Bar(foot);
+  const error = element("span", "error", foot);
+
+  let resting = 0;
+  const receive = async (message, buffers) => {
+    if (message.kind === "error") {
+      error.textContent = message.text;
+      moves.answered();
+      return;
+    }
+    if (message.kind !== "frame") return;
+    clearInterval(asking);
+    clearTimeout(resting);
+    error.textContent = "";
+    await Promise.all(
+      message.panels.map(async (k, i) => {
+        const { caption, stage, picture } = panels[k];
+        const old = picture.src;
+        picture.src = URL.createObjectURL(new Blob([buffers[i]], { type: "image/jpeg" }));
+        // A picture that is out of sight, or replaced by a newer one, may never be decoded.
+        await Promise.race([picture.decode().catch(() => {}), pause(200)]);
+        if (old) URL.revokeObjectURL(old);
+        caption.textContent = message.titles[i];
+        stage.setAttribute("aria-label", `Mesh: ${message.titles[i]}`);
+        stage.dataset.frame = message.number;
+        stage.dataset.draft = message.draft;
+      }),
+    );
+    bar.show(message.bar);
+    model.send({ kind: "shown" });
+    moves.answered();
+    if (message.draft) resting = setTimeout(() => model.send({ kind: "rest" }), REST);
+  };
+  model.on("msg:custom", receive);
+
+  let known = "";
+  const layout = () => {
+    const { stage } = panels[0];
+    const [width, height] = [stage.clientWidth, stage.clientHeight];
+    if (!width || !height) return; // not on the page, or on a hidden tab
+    const ratio = Math.min(window.devicePixelRatio, 2);
+    const message = { kind: "layout", width, height, ratio, background: background(stage) };
+    if (JSON.stringify(message) === known) return;
+    known = JSON.stringify(message);
+    model.send(message);
+  };
+  // Nothing answers while the kernel starts, or is busy with a long cell.
+  const asking = setInterval(() => {
+    known = "";
+    layout();
+  }, PATIENCE);
+  const size = new ResizeObserver(layout);
+  size.observe(panels[0].stage);
+  // Both JupyterLab and VS Code tell their theme by an attribute of the body.
+  const theme = new MutationObserver(() => setTimeout(layout, 100));
+  theme.observe(document.body, { attributes: true });
+
+  return () => {
+    clearInterval(asking);
+    clearTimeout(resting);
+    size.disconnect();
+    theme.disconnect();
+    model.off("msg:custom", receive);
+    for (const { picture, release } of panels) {
+      release();
+      if (picture.src) URL.revokeObjectURL(picture.src);
+    }
+  };
+}
+
+export default { render };

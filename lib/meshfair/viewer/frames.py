@@ -1,0 +1,152 @@
+"""The view's frames: drawn by polyscope, shown in the page by an anywidget.
+
+Only one frame at a time is on its way to the page. Whatever changes
+meanwhile, the camera or a mesh, is drawn when the page has said that it shows
+that frame, so that a slow connection drops frames instead of piling them up.
+While something moves, frames are drafts; when it has come to rest, the page
+asks for good ones.
+"""
+
+import io
+import threading
+import time
+from pathlib import Path
+
+import traitlets
+from PIL import Image
+
+from meshfair.viewer import libraries, offscreen
+
+anywidget = libraries.load("anywidget", "a live view")
+
+DRAFT, GOOD = 1, 2  # supersampling
+LOST = 5.0  # seconds after which a frame that was not confirmed is given up: its page is gone
+LARGEST = 2400  # pixels, of a frame's longer side
+
+
+class FramesWidget(anywidget.AnyWidget):
+    """The page's part: pictures, pointer, colour bar. See frames.js."""
+
+    _esm = Path(__file__).with_name("frames.js")
+    _css = Path(__file__).with_name("frames.css")
+    count = traitlets.Int(1).tag(sync=True)
+
+
+class Frames:
+    """Draws a view's panels when they change, and sends them to the page.
+
+    Parameters
+    ----------
+    view : meshfair.viewer.View
+    """
+
+    def __init__(self, view):
+        self._view = view
+        self._lock = threading.Lock()
+        self._wanted = {}  # panel -> quality: what has changed since it was drawn
+        self._rough = set()  # panels of which the page shows a draft
+        self._sent = None  # time at which the frame on its way was begun
+        self._layout = None  # the page's: panel size, pixel ratio, background
+        self.drawn = 0  # number of frames drawn so far
+        self.widget = FramesWidget(count=len(view.panels))
+        self.widget.on_msg(self._receive)
+
+    def refresh(self, panels):
+        """Draw some panels again, as drafts; the rest of the page stays."""
+        with self._lock:
+            self._wanted.update(dict.fromkeys(panels, DRAFT))
+        self._pump()
+
+    def camera_moved(self):
+        """Draw all panels again."""
+        self.refresh(range(len(self._view.panels)))
+
+    def _receive(self, widget, message, buffers):
+        """Handle a message from the page; on any thread, and quick."""
+        kind = message["kind"]
+        if kind == "layout":
+            self._layout = message
+            self._view.fit(message["width"] / message["height"])
+            self._sent = None  # a page that was loaded anew knows of no frame
+            self.camera_moved()
+        elif kind == "shown":
+            self._sent = None
+            self._pump()
+        elif kind == "rest":
+            with self._lock:
+                self._wanted.update({k: GOOD for k in self._rough if k not in self._wanted})
+            self._pump()
+        elif kind == "reset":
+            self._view.reset()
+        elif kind == "move":
+            camera = self._view.camera.orbit(message["yaw"], message["pitch"], self._view.up)
+            self._view.camera = camera.pan(*message["pan"]).zoom(message["zoom"])
+            self.camera_moved()
+
+    def _pump(self):
+        """Begin the next frame, unless one is on its way, or no page is there."""
+        with self._lock:
+            on_its_way = self._sent is not None and time.monotonic() - self._sent < LOST
+            if not self._wanted or self._layout is None or on_its_way:
+                return
+            drafts = [k for k, quality in self._wanted.items() if quality == DRAFT]
+            # Good frames are slow: one panel at a time, so that a move can come between.
+            panels = sorted(drafts) or [min(self._wanted)]
+            for k in panels:
+                del self._wanted[k]
+            self._sent = time.monotonic()
+        offscreen.gl_thread().submit(self._draw, panels, DRAFT if drafts else GOOD)
+
+    def _draw(self, panels, quality):
+        """Draw and send one frame; on the GL thread."""
+        view, layout = self._view, self._layout
+        # A draft has the page's own pixels, a good frame also a fine screen's.
+        ratio = 1 if quality == DRAFT else layout["ratio"]
+        ratio = min(ratio, LARGEST / max(layout["width"], layout["height"]))
+        size = (round(layout["width"] * ratio), round(layout["height"] * ratio))
+        try:
+            scale, camera = view.scale, view.camera
+            titles = [view.titles[k] for k in panels]
+            pictures = [
+                encode(
+                    offscreen.draw(
+                        view.panels[k],
+                        camera,
+                        size,
+                        slot=k,
+                        scale=scale,
+                        quality=quality,
+                        background=layout["background"],
+                    ),
+                    quality,
+                )
+                for k in panels
+            ]
+        except Exception as error:  # it would vanish with this thread: the page shows it
+            self.widget.send({"kind": "error", "text": f"{type(error).__name__}: {error}"})
+            self._sent = None
+            return
+        self.drawn += 1
+        self._rough = self._rough | set(panels) if quality == DRAFT else self._rough - set(panels)
+        frame = {
+            "kind": "frame",
+            "number": self.drawn,
+            "panels": panels,
+            "titles": titles,
+            "draft": quality == DRAFT,
+            "bar": scale and bar(scale, view.label),
+        }
+        self.widget.send(frame, pictures)
+
+
+def bar(scale, label):
+    """What the page needs to draw the colour bar."""
+    return {"label": label, "low": scale.low, "high": scale.high, "stops": scale.stops()}
+
+
+def encode(pixels, quality):
+    """JPEG of an image: drafts smaller, good frames without smeared colours."""
+    jpeg = io.BytesIO()
+    options = {"quality": 80} if quality == DRAFT else {"quality": 92, "subsampling": 0}
+    Image.fromarray(pixels[:, :, :3]).save(jpeg, "JPEG", **options)
+    return jpeg.getvalue()

@@ -1,0 +1,113 @@
+"""The view without EGL: k3d draws the meshes in the page itself."""
+
+import html
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.colors import to_hex
+
+from meshfair.viewer import libraries
+from meshfair.viewer.camera import FIELD_OF_VIEW
+from meshfair.viewer.offscreen import SURFACE
+
+k3d = libraries.load("k3d", "a live view without EGL")
+ipywidgets = libraries.load("ipywidgets", "a live view")
+
+HEIGHT = 300  # CSS pixels, as in frames.css
+
+
+class InPage:
+    """A view's panels as k3d plots with linked cameras.
+
+    Parameters
+    ----------
+    view : meshfair.viewer.View
+    """
+
+    def __init__(self, view):
+        self._view = view
+        self._titles = [ipywidgets.HTML() for _ in view.panels]
+        self._plots = [
+            k3d.plot(
+                height=HEIGHT,
+                grid_visible=False,
+                menu_visibility=False,
+                camera_auto_fit=False,
+                camera_fov=FIELD_OF_VIEW,
+                axes_helper=0,
+                colorbar_object_id=0,  # k3d's own bar would lie on the mesh
+            )
+            for _ in view.panels
+        ]
+        self._meshes = [None] * len(view.panels)
+        for other in self._plots[1:]:
+            ipywidgets.jslink((self._plots[0], "camera"), (other, "camera"))
+        panel = ipywidgets.Layout(flex="1 1 180px", min_width="180px")
+        row = ipywidgets.HBox(
+            [
+                ipywidgets.VBox([title, plot], layout=panel)
+                for title, plot in zip(self._titles, self._plots, strict=True)
+            ],
+            layout=ipywidgets.Layout(flex_flow="row wrap", width="100%"),
+        )
+        self._bar = ipywidgets.HTML()
+        self.widget = ipywidgets.VBox([row, self._bar], layout={"width": "100%"})
+        self.refresh(range(len(view.panels)))
+        self.camera_moved()
+
+    def refresh(self, panels):
+        """Show some panels' meshes, values and titles of now."""
+        scale = self._view.scale
+        self._bar.value = "" if scale is None else bar(scale, self._view.label)
+        for k in panels:
+            panel = self._view.panels[k]
+            self._titles[k].value = html.escape(self._view.titles[k])
+            options = self._colours(panel, scale)
+            mesh = self._meshes[k]
+            if mesh is not None and len(mesh.vertices) == len(panel.V):
+                mesh.vertices = panel.V.astype(np.float32)
+                if not np.array_equal(mesh.indices, panel.F):
+                    mesh.indices = panel.F.astype(np.uint32)
+                for name, value in options.items():
+                    setattr(mesh, name, value)
+                continue
+            if mesh is not None:
+                self._plots[k] -= mesh
+            self._meshes[k] = k3d.mesh(
+                panel.V.astype(np.float32),
+                panel.F.astype(np.uint32),
+                flat_shading=not panel.smooth,
+                color=int(to_hex(SURFACE)[1:], 16),
+                side="double",
+                **options,
+            )
+            self._plots[k] += self._meshes[k]
+
+    def _colours(self, panel, scale):
+        """The traits of a k3d mesh that hold its values: at vertices, or on triangles."""
+        if panel.values is None:
+            return {"attribute": [], "triangles_attribute": []}
+        at = np.linspace(0, 1, 33)
+        colour_map = np.column_stack([at, colormaps[scale.colours](at)[:, :3]])
+        on_vertices = len(panel.values) == len(panel.V)
+        values = panel.values.astype(np.float32)
+        return {
+            "attribute": values if on_vertices else [],
+            "triangles_attribute": [] if on_vertices else values,
+            "color_map": colour_map.astype(np.float32).ravel(),
+            "color_range": [scale.low, scale.high],
+        }
+
+    def camera_moved(self):
+        """Point the plots' camera as the view's."""
+        camera = self._view.camera
+        place = [*camera.position, *camera.target, *camera.up]
+        for plot in self._plots:
+            plot.camera = [float(x) for x in place]
+
+
+def bar(scale, label):
+    """The colour bar as HTML."""
+    look = f"linear-gradient(to right, {', '.join(scale.stops())}); width: 130px; height: 10px"
+    colours = f'<i style="display: inline-block; background: {look}"></i>'
+    return f"{scale.low:.3g} {colours} {scale.high:.3g} {html.escape(label)}"

@@ -1,0 +1,80 @@
+"""Polyscope's own window, in a process of its own."""
+
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from meshfair.checks import check_mesh
+
+NO_SCREEN = (
+    "there is no screen here to open a window on; in a notebook use meshfair.viewer.View, "
+    "for a picture on file meshfair.viewer.render"
+)
+
+
+def show(V, F, *, values=None, title="meshfair"):
+    """Open polyscope's desktop window on a mesh, and go on without waiting for it.
+
+    The window belongs to a process of its own: a notebook's polyscope draws
+    without a screen, and one process cannot do both.
+
+    Parameters
+    ----------
+    V : array_like, shape (n, 3)
+    F : array_like of integers, shape (m, 3)
+    values : array_like, shape (n,) or (m,), optional
+        A number for each vertex or each face, shown as a colour.
+    title : str
+        The window's title.
+
+    Returns
+    -------
+    subprocess.Popen
+        ``.wait()`` waits until the window is closed, ``.terminate()`` closes it.
+
+    Raises
+    ------
+    MeshError
+        No mesh.
+    RuntimeError
+        There is no screen.
+    """
+    V, F = check_mesh(V, F)
+    if not has_screen():
+        raise RuntimeError(NO_SCREEN)
+    values = np.empty(0) if values is None else np.asarray(values, dtype=float)
+    with tempfile.NamedTemporaryFile(suffix=".npz", delete=False) as file:
+        np.savez(file, V=V, F=F, values=values, title=title)
+    return subprocess.Popen([sys.executable, "-m", __name__, file.name])
+
+
+def has_screen():
+    """Whether a window can be opened: always assumed on macOS and Windows."""
+    named = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    return bool(named) or sys.platform in ("darwin", "win32")
+
+
+def _main(path):
+    """The window's process: show the mesh that `show` wrote, until it is closed."""
+    import polyscope as ps
+
+    with np.load(path) as saved:
+        V, F, values, title = (saved[name] for name in ("V", "F", "values", "title"))
+    Path(path).unlink()
+    ps.set_use_prefs_file(False)
+    ps.set_program_name(str(title))
+    ps.init()
+    ps.set_ground_plane_mode("none")
+    mesh = ps.register_surface_mesh("mesh", V, F)
+    if values.size:
+        on = "vertices" if len(values) == len(V) else "faces"
+        mesh.add_scalar_quantity("values", values, defined_on=on, enabled=True)
+    ps.show()
+
+
+if __name__ == "__main__":
+    _main(sys.argv[1])

@@ -1,0 +1,238 @@
+from itertools import combinations
+
+import igl
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from broken import TETRAHEDRON, bow_tie, hourglass, wild_meshes
+from meshes import CLOSED, RIGHT_TRIANGLE, fan, grid, rigid_motions
+from meshfair import MeshError, mesh, operators, shapes, weights
+from meshfair.flow import average, heat
+from meshfair.mesh.topology import group_edges, repeated_rows
+
+
+def edges_by_loop(F):
+    """How many of the faces, each taken once, have each edge: the definition, slowly."""
+    count = {}
+    for face in {tuple(sorted(face)) for face in F.tolist()}:
+        sides = [(i, j) for i, j in combinations(face, 2) if i != j]
+        for side in sides:
+            count[side] = count.get(side, 0) + 1
+    return count
+
+
+@given(wild_meshes())
+def test_edges_are_those_of_the_definition(wild):
+    _, F = wild
+    expected = edges_by_loop(F)
+    if not expected:
+        F = np.concatenate([F, [[0, 1, 2]]])
+        expected = edges_by_loop(F)
+    E, faces_of_edge = mesh.edges(F)
+    assert {
+        tuple(e): k for e, k in zip(E.tolist(), faces_of_edge.tolist(), strict=True)
+    } == expected
+    assert np.all(E[:, 0] < E[:, 1])
+    assert E.tolist() == sorted(E.tolist())
+
+
+@given(wild_meshes())
+def test_half_edges_are_grouped_by_the_edge_they_lie_on(wild):
+    _, F = wild
+    grouped = group_edges(F)
+    H = np.sort(mesh.half_edges(F), axis=1)
+    assert np.array_equal(H[grouped.half_edges], grouped.ends[grouped.of_half_edge])
+    assert sorted(grouped.half_edges) == np.flatnonzero(H[:, 0] != H[:, 1]).tolist()
+
+
+@given(
+    st.lists(st.tuples(*[st.sampled_from([0.0, -0.0, 1.0, 1e-300, -2.5])] * 3), max_size=20),
+    st.booleans(),
+)
+def test_repeated_rows_point_to_the_first_of_their_kind(rows, integers):
+    expected = [rows.index(row) for row in rows]  # 0.0 == -0.0
+    array = np.array(rows).reshape(-1, 3)
+    if integers:
+        array = (2 * array).astype(np.int64)
+        expected = [array.tolist().index(row) for row in array.tolist()]
+    assert repeated_rows(array).tolist() == expected
+
+
+def test_repeated_rows_are_found_where_only_the_high_bits_differ(rng):
+    # Whole numbers have no low bits in float64, which a poor hash would multiply into ties.
+    rows = rng.integers(0, 12, (5000, 3)).astype(float)
+    _, first, group = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+    assert np.array_equal(repeated_rows(rows), first[group])
+
+
+def test_unique_faces_keeps_the_first_whatever_the_orientation():
+    F = [[0, 1, 2], [3, 1, 2], [2, 1, 0], [1, 2, 0], [1, 3, 2], [0, 1, 3]]
+    assert mesh.unique_faces(F).tolist() == [[0, 1, 2], [3, 1, 2], [0, 1, 3]]
+
+
+@pytest.mark.parametrize("make", CLOSED.values(), ids=CLOSED)
+def test_built_in_shapes_are_closed(make):
+    _, F = make()
+    assert mesh.is_closed(F)
+    assert not mesh.is_closed(F[1:])
+    assert len(mesh.boundary_edges(F)) == 0
+    assert mesh.boundary_edges(F[1:]).tolist() == sorted(
+        sorted(e) for e in (F[0, [0, 1]].tolist(), F[0, [1, 2]].tolist(), F[0, [2, 0]].tolist())
+    )
+
+
+def test_components_leave_unused_vertices_out():
+    F = np.array([[5, 1, 0], [2, 6, 4]])
+    count, labels = mesh.components(F, 8)
+    assert count == 2
+    assert labels.tolist() == [0, 0, 1, -1, 1, 0, 1, -1]
+
+
+@given(wild_meshes())
+def test_components_are_libigls(wild):
+    V, F = wild
+    count, labels = mesh.components(F, len(V))
+    theirs = igl.vertex_components(F)
+    used = np.unique(F)
+    assert len(set(theirs[used])) == count == labels.max() + 1
+    assert len({*zip(theirs[used], labels[used], strict=True)}) == count
+    assert set(np.flatnonzero(labels < 0)) == set(range(len(V))) - set(used)
+
+
+def test_tetrahedron_by_hand():
+    V, F = TETRAHEDRON
+    assert mesh.area(V, F) == pytest.approx(1.5 + np.sqrt(3) / 2)
+    assert mesh.volume(V, F) == pytest.approx(1 / 6)
+    assert mesh.volume(V, F[:, ::-1]) == pytest.approx(-1 / 6)
+    np.testing.assert_allclose(mesh.face_normals(V, F)[3], np.full(3, 3**-0.5))
+    assert mesh.mean_edge_length(V, F) == pytest.approx((3 + 3 * np.sqrt(2)) / 6)
+    # At the origin the three right triangles' area vectors sum to -(1, 1, 1) / 2.
+    np.testing.assert_allclose(mesh.vertex_normals(V, F)[0], np.full(3, -(3**-0.5)))
+
+
+@pytest.mark.parametrize("make", CLOSED.values(), ids=CLOSED)
+def test_areas_normals_and_volume_are_libigls(make):
+    V, F = make()
+    np.testing.assert_allclose(mesh.face_areas(V, F), igl.doublearea(V, F) / 2, rtol=1e-12)
+    np.testing.assert_allclose(
+        mesh.face_normals(V, F), igl.per_face_normals(V, F, np.zeros(3)), atol=1e-12
+    )
+    area_weighted = igl.per_vertex_normals(V, F, igl.PER_VERTEX_NORMALS_WEIGHTING_TYPE_AREA)
+    np.testing.assert_allclose(mesh.vertex_normals(V, F), area_weighted, atol=1e-12)
+    assert mesh.volume(V, F) == pytest.approx(igl.centroid(V, F)[1], rel=1e-10)
+
+
+@given(rigid_motions())
+def test_measures_do_not_depend_on_where_the_mesh_lies(motion):
+    rotation, shift = motion
+    V, F = shapes.box(size=(1, 2, 3), segments=2)
+    X = V @ rotation.T + 1e3 * shift
+    assert mesh.volume(X, F) == pytest.approx(6, rel=1e-9)
+    assert mesh.area(X, F) == pytest.approx(22, rel=1e-9)
+    np.testing.assert_allclose(
+        mesh.face_normals(X, F), mesh.face_normals(V, F) @ rotation.T, atol=1e-9
+    )
+
+
+def test_scatter_sums_at_the_corners():
+    F = np.array([[0, 1, 2], [0, 2, 3]])
+    assert mesh.scatter(np.array([1.0, 10.0]), F, 5).tolist() == [11, 1, 11, 10, 0]
+
+
+@pytest.mark.parametrize("unit", [1e-70, 1.0, 1e70])
+def test_degenerate_faces_do_not_depend_on_the_unit(unit):
+    V = unit * np.array(
+        [[0.0, 0, 0], [1, 0, 0], [0, 1e-11, 0], [2, 0, 0], [1, 0, 0], [0, 1e-13, 0]]
+    )
+    F = [[0, 1, 2], [0, 1, 3], [1, 4, 2], [1, 1, 2], [0, 1, 5]]
+    assert mesh.degenerate_faces(V, F).tolist() == [False, True, True, True, True]
+
+
+def test_cotangents_of_a_right_triangle():
+    V, F = RIGHT_TRIANGLE
+    np.testing.assert_allclose(
+        mesh.geometry.measure(V, F).cotangents, [[0.0], [1.0], [1.0]], atol=1e-15
+    )
+
+
+def test_a_mesh_without_edges_has_no_mean_edge_length():
+    with pytest.raises(MeshError, match="no edge"):
+        mesh.mean_edge_length(np.eye(3), [[1, 1, 1]])
+
+
+def test_boundary_of_a_grid():
+    _, F = grid(3)
+    expected = [k for k in range(16) if k // 4 in (0, 3) or k % 4 in (0, 3)]
+    assert mesh.boundary_vertices(F).tolist() == expected
+    assert len(mesh.boundary_edges(F)) == 12
+    theirs = {tuple(sorted(e)) for e in igl.boundary_facets(F)[0].tolist()}
+    assert {tuple(e) for e in mesh.boundary_edges(F).tolist()} == theirs
+
+
+def test_a_repeated_face_does_not_hide_the_boundary():
+    _, F = grid(2)
+    twice = np.concatenate([F, F[:, [1, 0, 2]]])
+    assert np.array_equal(mesh.boundary_edges(twice), mesh.boundary_edges(F))
+
+
+def test_the_boundary_flows_as_a_curve():
+    V, F = grid(4)
+    rim = mesh.boundary_vertices(F)
+    A = operators.averaging(weights.combinatorial(F, len(V)))
+    curved = mesh.boundary_as_curve(A, F)
+    np.testing.assert_allclose(curved.sum(axis=1), 1)
+    inside = np.setdiff1d(np.arange(len(V)), rim)
+    assert abs(curved[inside] - A[inside]).max() == 0
+    # A corner of the square goes to the middle of its two neighbours on the rim, and
+    # a point between two of its like stays where it is.
+    moved = curved @ V
+    np.testing.assert_allclose(moved[0], [0.5, 0.5, 0])
+    np.testing.assert_allclose(moved[2], V[2])
+
+
+def test_a_regular_polygon_shrinks_by_the_cosine_of_half_its_step():
+    # A disc: n vertices around a centre. Averaging neighbours on a circle multiplies
+    # the radius by cos(2 pi / n); the centre stays by symmetry.
+    n = 12
+    t = 2 * np.pi * np.arange(n) / n
+    V = np.vstack([np.column_stack([np.cos(t), np.sin(t), 0 * t]), np.zeros(3)])
+    F = np.array([[k, (k + 1) % n, n] for k in range(n)])
+    A = mesh.boundary_as_curve(operators.averaging(weights.combinatorial(F, n + 1)), F)
+    X = average(V, A, 3)
+    np.testing.assert_allclose(np.linalg.norm(X[:n], axis=1), np.cos(2 * np.pi / n) ** 3)
+    np.testing.assert_allclose(X[n], 0, atol=1e-15)
+
+
+def test_a_held_boundary_stays_and_the_rest_moves(rng):
+    V, F = grid(5)
+    V = V + 0.1 * rng.standard_normal(V.shape)
+    rim = mesh.boundary_vertices(F)
+    A = operators.averaging(weights.combinatorial(F, len(V)))
+    *_, (_, X) = heat(V, A, 0.5, 2, fixed=rim)
+    assert np.array_equal(X[rim], V[rim])
+    inside = np.setdiff1d(np.arange(len(V)), rim)
+    assert np.all(np.any(X[inside] != V[inside], axis=1))
+
+
+def test_smoothing_the_boundary_alone_leaves_the_surface():
+    from scipy.sparse import eye_array
+
+    V, F = grid(4)
+    curve = mesh.boundary_as_curve(eye_array(len(V)), F)
+    moved = np.flatnonzero(np.any(curve @ V != V, axis=1))
+    assert moved.tolist() == [0, 4, 20, 24]  # the corners; all else is straight
+
+
+@pytest.mark.parametrize("A", [np.eye(3), np.ones((3, 4)), np.ones(3)])
+def test_an_operator_of_the_wrong_size_is_refused(A):
+    with pytest.raises(MeshError):
+        mesh.boundary_as_curve(A, grid(2)[1])
+
+
+@pytest.mark.parametrize("make", [bow_tie, hourglass, lambda: fan(3)])
+def test_broken_meshes_have_finite_measures(make):
+    V, F = make()
+    assert np.isfinite(mesh.vertex_normals(V, F)).all()
+    assert mesh.area(V, F) > 0

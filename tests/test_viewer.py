@@ -1,0 +1,435 @@
+"""The viewer: cameras, pictures, the frames' protocol, both backends, the window."""
+
+import io
+import subprocess
+import sys
+import threading
+import types
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from meshfair import MeshError, shapes, viewer
+from meshfair.viewer import Camera, View, colouring, frames, libraries, offscreen, window
+
+needs_egl = pytest.mark.skipif(not viewer.has_egl(), reason="polyscope cannot draw here: no EGL")
+UP = (0.0, 0.0, 1.0)
+
+
+@pytest.fixture
+def torus():
+    return shapes.torus(sections=24, sides=12)
+
+
+@pytest.fixture
+def camera(torus):
+    return Camera.around(torus[0], (1, -1, 0.6))
+
+
+# Cameras
+
+
+@pytest.mark.parametrize("aspect", [0.5, 4 / 3, 3])
+def test_around_sees_every_vertex_and_wastes_no_room(torus, aspect):
+    camera = Camera.around(torus[0], (1, -1, 0.6), aspect=aspect, margin=0)
+    back = np.subtract(camera.position, camera.target)
+    back /= np.linalg.norm(back)
+    right = np.cross(camera.up, back)
+    X = torus[0] - camera.position
+    half = np.tan(np.radians(viewer.camera.FIELD_OF_VIEW) / 2)
+    across = np.abs(X @ right / (X @ back)).max() / (half * aspect)
+    along = np.abs(X @ camera.up / (X @ back)).max() / half
+    assert max(across, along) == pytest.approx(1)
+
+
+def test_orbit_goes_around_the_target_and_comes_back(camera):
+    turned = camera
+    for _ in range(8):
+        turned = turned.orbit(np.pi / 4, 0, UP)
+    np.testing.assert_allclose(turned.position, camera.position)
+    np.testing.assert_allclose(turned.up, camera.up)
+    turned = camera.orbit(0.7, 0.3, UP)
+    assert turned.target == camera.target
+    distances = [np.linalg.norm(np.subtract(c.position, c.target)) for c in (camera, turned)]
+    assert distances[0] == pytest.approx(distances[1])
+    assert np.dot(turned.up, np.subtract(turned.position, turned.target)) == pytest.approx(0)
+
+
+def test_orbit_moves_the_camera_to_its_right_and_up(camera):
+    right = np.cross(camera.up, np.subtract(camera.position, camera.target))
+    assert np.dot(np.subtract(camera.orbit(0.1, 0, UP).position, camera.position), right) > 0
+    assert camera.orbit(0, 0.1, UP).position[2] > camera.position[2]
+
+
+def test_orbit_stops_before_the_pole(camera):
+    top = camera.orbit(0, 10, UP)
+    back = np.subtract(top.position, top.target)
+    assert 0.99 < back[2] / np.linalg.norm(back) < 1
+    np.testing.assert_allclose(top.orbit(0, 10, UP).position, top.position)
+
+
+def test_pan_and_zoom(camera):
+    moved = camera.pan(0.25, -0.5)
+    shift = np.subtract(moved.position, camera.position)
+    np.testing.assert_allclose(shift, np.subtract(moved.target, camera.target))
+    assert np.dot(shift, camera.up) < 0
+    np.testing.assert_allclose(camera.zoom(0.5).zoom(2).position, camera.position)
+    assert camera.zoom(0.5).target == camera.target
+
+
+# Pictures
+
+
+@needs_egl
+def test_render_is_transparent_around_the_mesh(torus, camera):
+    pixels = viewer.render(*torus, camera, size=(120, 90))
+    assert pixels.shape == (90, 120, 4)
+    assert pixels.dtype == np.uint8
+    assert pixels[0, 0, 3] == 0
+    assert 0.2 < (pixels[:, :, 3] == 255).mean() < 0.8
+
+
+@needs_egl
+def test_quality_and_size_hold_for_the_very_picture_that_asks_for_them(torus, camera):
+    for quality, size in [(1, (120, 90)), (4, (120, 90)), (2, (64, 48)), (1, (64, 48))]:
+        pixels = viewer.render(*torus, camera, size=size, quality=quality)
+        assert pixels.shape[1::-1] == size
+        softened = np.any((pixels[:, :, 3] > 0) & (pixels[:, :, 3] < 255))
+        assert softened == (quality > 1)
+
+
+@needs_egl
+def test_render_sees_arrays_that_were_written_to(torus, camera):
+    V, F = torus
+    before = viewer.render(V, F, camera, size=(60, 45))
+    V *= 0.5
+    assert np.any(viewer.render(V, F, camera, size=(60, 45)) != before)
+
+
+@needs_egl
+@pytest.mark.parametrize("background", [(1, 1, 1), (0.07, 0.07, 0.07), (0.2, 0.4, 0.6), (0, 0, 0)])
+def test_background_is_the_pages_colour(torus, camera, background):
+    panel = offscreen.Panel(*torus)
+    pixels = viewer.on_gl_thread(offscreen.draw, panel, camera, (40, 30), background=background)
+    np.testing.assert_allclose(pixels[0, 0, :3] / 255, background, atol=0.02)
+
+
+@needs_egl
+def test_values_colour_vertices_or_faces(torus, camera):
+    V, F = torus
+    plain = viewer.render(V, F, camera, size=(60, 45))
+    for values in (V[:, 0], np.arange(len(F))):
+        assert np.any(viewer.render(V, F, camera, size=(60, 45), values=values) != plain)
+    constant = viewer.render(V, F, camera, size=(60, 45), values=np.ones(len(V)))
+    assert np.any(constant[:, :, 3] == 255)
+
+
+def test_without_egl_matplotlib_draws_and_says_so_once(torus, camera, monkeypatch):
+    monkeypatch.setattr(offscreen, "has_egl", lambda: False)
+    offscreen._warn_missing_egl.cache_clear()
+    with pytest.warns(UserWarning, match="apt.txt: libx11-6"):
+        pixels = viewer.render(*torus, camera, size=(60, 45), values=torus[0][:, 0])
+    assert pixels.shape == (45, 60, 4)
+    assert np.any(pixels[:, :, 3] == 255)
+    viewer.render(*torus, camera, size=(60, 45))  # a second warning would be an error
+
+
+def test_scale():
+    a, b = np.array([0.0, 2.0]), np.array([-1.0, 1.0])
+    assert offscreen.Scale.of([None, None]) is None
+    assert offscreen.Scale.of([a, None, b]) == offscreen.Scale(-1, 2)
+    assert offscreen.Scale.of([a], limits=(0, 5), colours="magma").high == 5
+    constant = offscreen.Scale.of([np.ones(3)])
+    assert constant.low < constant.high
+
+
+# Colourings
+
+
+def test_colourings_of_a_sphere_that_has_grown():
+    V, F = shapes.icosphere(3)
+    grown = 1.1 * V
+    edge = np.linalg.norm(V[F[:, 0]] - V[F[:, 1]], axis=1).mean()
+    values = {name: c.of(V, F)(grown) for name, c in colouring.COLOURINGS.items()}
+    np.testing.assert_allclose(values["displacement"], 0.1 / edge, rtol=0.05)
+    np.testing.assert_allclose(values["normal angle"], 0, atol=1e-6)
+    assert np.median(values["curvature"]) == pytest.approx(edge / 1.1, rel=0.02)
+    low, high = colouring.limits(values["curvature"])
+    assert low == 0 < high
+
+
+def test_normal_angle_has_a_value_for_faces_without_area():
+    V = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [2, 0, 0]])
+    F = np.array([[0, 1, 2], [0, 1, 3]])
+    turned = V[:, [0, 2, 1]]
+    np.testing.assert_allclose(colouring.normal_angle(V, F)(turned), [90, 0])
+
+
+# Views
+
+
+def test_a_view_takes_one_mesh_or_several(torus):
+    V, F = torus
+    assert View(V, F, backend="k3d").titles == [""]
+    view = View([V, 2 * V], F, titles=["a", "b"], values=[None, V[:, 0]], backend="k3d")
+    assert len(view.panels) == 2
+    assert view.scale.low == V[:, 0].min()
+    other = shapes.icosphere(1)
+    view = View([V, other[0]], [F, other[1]], titles="same", backend="k3d")
+    assert view.titles == ["same", "same"]
+    assert len(view.panels[1].F) == len(other[1])
+
+
+def test_a_view_refuses_what_does_not_fit(torus):
+    V, F = torus
+    with pytest.raises(ValueError, match="titles has 1 entries; give one for each of 2 panels"):
+        View([V, V], F, titles=["a"], backend="k3d")
+    with pytest.raises(MeshError, match="one for each of the 288 vertices or of the 576 faces"):
+        View(V, F, values=[1.0, 2.0], backend="k3d")
+    with pytest.raises(ValueError, match="'polyscope' or 'k3d'"):
+        View(V, F, backend="vtk")
+
+
+@needs_egl
+def test_still_and_display_data(torus):
+    view = View([torus[0]] * 2, torus[1], titles=["a", "b"], values=[None, torus[0][:, 0]])
+    assert view.still((600, 200)).size == (600, 200)
+    data, _ = view._repr_mimebundle_()
+    assert "application/vnd.jupyter.widget-view+json" in data
+    assert Image.open(io.BytesIO(data["image/png"])).size == viewer.view.STILL
+
+
+def test_look_at_moves_the_reset_view(torus):
+    view = View(*torus, backend="k3d")
+    first = view.camera
+    view.look_at(torus[0][:12], direction=(1, 0, 0.1))
+    closer = view.camera
+    assert closer != first
+    view.camera = closer.zoom(3)
+    view.reset()
+    assert view.camera == closer
+
+
+class Page:
+    """The page's end of the protocol of frames.js, in Python."""
+
+    def __init__(self, view, width=120, height=90, answer=True):
+        self.frames, self.errors = [], []
+        self._page, self._answer = view._page, answer
+        self._came = threading.Condition()
+        view.widget.send = self._receive
+        self.send(kind="layout", width=width, height=height, ratio=2, background=[1, 1, 1])
+
+    def send(self, **message):
+        self._page._receive(None, message, None)
+
+    def _receive(self, message, buffers=None):
+        with self._came:
+            (self.frames if message["kind"] == "frame" else self.errors).append((message, buffers))
+            self._came.notify_all()
+        if self._answer:
+            self.send(kind="shown")
+
+    def wait_for(self, condition):
+        """Wait for a frame or an error of which something holds; return it."""
+
+        def found():
+            return next((f for f in (*self.frames, *self.errors) if condition(f[0])), None)
+
+        with self._came:
+            assert self._came.wait_for(found, timeout=30), "no such frame came"
+            return found()
+
+
+@needs_egl
+def test_a_page_gets_all_panels_as_drafts_and_good_ones_at_rest(torus):
+    page = Page(View([torus[0]] * 2, torus[1], titles=["a", "b"]))
+    message, pictures = page.wait_for(lambda m: m.get("panels") == [0, 1])
+    assert message["draft"]
+    assert message["titles"] == ["a", "b"]
+    assert Image.open(io.BytesIO(pictures[0])).size == (120, 90)
+    page.send(kind="rest")
+    for k in (0, 1):
+        message, pictures = page.wait_for(lambda m, k=k: m.get("panels") == [k])
+        assert not message["draft"]
+        assert Image.open(io.BytesIO(pictures[0])).size == (240, 180)
+
+
+@needs_egl
+def test_one_frame_is_on_its_way_and_the_newest_comes_next(torus):
+    V, F = torus
+    view = View(V, F)
+    page = Page(view, answer=False)
+    page.wait_for(lambda m: m.get("number") == 1)
+    for k in range(20):
+        view.update(V * (1 + k / 20), title=f"move {k}")
+    viewer.on_gl_thread(lambda: None)  # whatever was asked of the thread is done
+    assert len(page.frames) == 1
+    page.send(kind="shown")
+    message, _ = page.wait_for(lambda m: m.get("number") == 2)
+    assert message["titles"] == ["move 19"]
+    viewer.on_gl_thread(lambda: None)
+    assert len(page.frames) == 2
+
+
+@needs_egl
+def test_only_what_changed_is_sent(torus):
+    V, F = torus
+    view = View([V, V, V], F)
+    page = Page(view)
+    page.wait_for(lambda m: m.get("panels") == [0, 1, 2])
+    with view.together():
+        view.update(2 * V, panel=2, title="new")
+        view.update(2 * V, panel=1)
+    page.wait_for(lambda m: m.get("panels") == [1, 2] and m["titles"][1] == "new")
+
+
+@needs_egl
+def test_a_page_that_has_gone_does_not_stop_the_next_one(torus, monkeypatch):
+    view = View(*torus)
+    page = Page(view, answer=False)
+    page.wait_for(lambda m: m.get("number") == 1)
+    monkeypatch.setattr(frames, "LOST", 0.0)
+    view.update(2 * torus[0])
+    page.wait_for(lambda m: m.get("number") == 2)
+
+
+@needs_egl
+def test_pointer_moves_turn_the_camera_and_reset_brings_it_back(torus):
+    view = View(*torus)
+    page = Page(view)
+    page.wait_for(lambda m: m.get("number") == 1)
+    home = view.camera
+    page.send(kind="move", yaw=0.5, pitch=0.2, pan=[0.1, 0], zoom=0.8)
+    assert view.camera != home
+    page.wait_for(lambda m: m.get("number") == 2)
+    page.send(kind="reset")
+    assert view.camera == home
+
+
+@needs_egl
+def test_the_camera_follows_the_pages_shape_until_it_is_moved(torus):
+    view = View(*torus)
+    page = Page(view, width=400, height=100)
+    wide = view.camera
+    page.send(kind="layout", width=100, height=100, ratio=1, background=[1, 1, 1])
+    assert view.camera != wide
+    view.camera = moved = view.camera.zoom(0.5)
+    page.send(kind="layout", width=400, height=100, ratio=1, background=[1, 1, 1])
+    assert view.camera == moved
+
+
+@needs_egl
+def test_the_page_is_told_what_failed(torus, monkeypatch):
+    def broken(*arguments, **named):
+        raise RuntimeError("the GL is gone")
+
+    monkeypatch.setattr(offscreen, "draw", broken)
+    page = Page(View(*torus))
+    message, _ = page.wait_for(lambda m: m["kind"] == "error")
+    assert message["text"] == "RuntimeError: the GL is gone"
+
+
+@needs_egl
+def test_a_frame_has_the_colour_bar_of_its_values(torus):
+    V, F = torus
+    view = View(V, F, values=V[:, 2], label="height (units)")
+    page = Page(view)
+    message, _ = page.wait_for(lambda m: m.get("number") == 1)
+    assert message["bar"]["label"] == "height (units)"
+    assert message["bar"]["high"] == pytest.approx(V[:, 2].max())
+    assert len(message["bar"]["stops"]) == 17
+    view.colour_by("other", limits=(0, 1))
+    page.wait_for(lambda m: m["bar"]["label"] == "other" and m["bar"]["high"] == 1)
+    view.update()
+    page.wait_for(lambda m: m["bar"] is None)
+
+
+def test_k3d_shows_the_same_meshes_where_there_is_no_egl(torus, monkeypatch):
+    V, F = torus
+    monkeypatch.setattr(viewer.view, "has_egl", lambda: False)
+    view = View([V, V], F, titles=["<a>", "b"], values=[None, V[:, 0]])
+    first, second = view._page._meshes
+    np.testing.assert_allclose(first.vertices, V, rtol=1e-6)
+    assert len(second.attribute) == len(V)
+    assert view._page._titles[0].value == "&lt;a&gt;"
+    assert "linear-gradient" in view._page._bar.value
+    view.update(2 * V, values=np.arange(len(F)), title="c")
+    np.testing.assert_allclose(first.vertices, 2 * V, rtol=1e-6)
+    assert len(first.triangles_attribute) == len(F)
+    sphere = shapes.icosphere(1)
+    view.update(sphere[0], F=sphere[1])
+    assert len(view._page._meshes[0].vertices) == len(sphere[0])
+    view.look_at(V[:12])
+    np.testing.assert_allclose(view._page._plots[1].camera[:3], view.camera.position)
+
+
+# What is missing
+
+
+def test_the_viewer_needs_no_library_before_it_draws():
+    optional = {"anywidget", "ipywidgets", "k3d", "polyscope", "matplotlib", "igl"}
+    code = f"import meshfair.viewer, sys; print(*{optional} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
+
+
+@pytest.mark.parametrize(
+    ("backend", "module", "library"),
+    [("polyscope", "frames", "anywidget"), ("k3d", "in_page", "k3d")],
+)
+def test_a_missing_library_is_named_in_one_line(torus, monkeypatch, backend, module, library):
+    monkeypatch.setitem(sys.modules, library, None)
+    monkeypatch.delitem(sys.modules, f"meshfair.viewer.{module}", raising=False)
+    with pytest.raises(ImportError, match=f"needs {library}.*run: pip install") as caught:
+        View(*torus, backend=backend)
+    assert "\n" not in str(caught.value)
+    assert libraries.EXTRA in str(caught.value)
+
+
+# The window
+
+
+def test_show_says_that_there_is_no_screen(torus, monkeypatch):
+    monkeypatch.setattr(window, "has_screen", lambda: False)
+    with pytest.raises(RuntimeError, match=r"no screen.*meshfair\.viewer\.View"):
+        viewer.show(*torus)
+
+
+@pytest.mark.parametrize(("platform", "display", "there"), [
+    ("linux", "", False), ("linux", ":0", True), ("darwin", "", True), ("win32", "", True),
+])  # fmt: skip
+def test_has_screen(monkeypatch, platform, display, there):
+    monkeypatch.setattr(sys, "platform", platform)
+    monkeypatch.setenv("DISPLAY", display)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    assert window.has_screen() == there
+
+
+def test_the_window_gets_the_mesh_and_its_values(torus, monkeypatch, tmp_path):
+    calls = []
+
+    class Recorder(types.ModuleType):
+        def __getattr__(self, name):
+            def call(*arguments, **named):
+                calls.append((name, arguments))
+                return self
+
+            return call
+
+    started = []
+    monkeypatch.setattr(window, "has_screen", lambda: True)
+    monkeypatch.setattr(window.tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(window.subprocess, "Popen", started.append)
+    viewer.show(*torus, values=torus[0][:, 0], title="torus")
+    (command,) = started
+    assert command[1:3] == ["-m", "meshfair.viewer.window"]
+
+    monkeypatch.setitem(sys.modules, "polyscope", Recorder("polyscope"))
+    window._main(command[3])
+    named = dict(calls)
+    np.testing.assert_array_equal(named["register_surface_mesh"][1], torus[0])
+    np.testing.assert_array_equal(named["add_scalar_quantity"][1], torus[0][:, 0])
+    assert calls[-1] == ("show", ())
+    assert list(tmp_path.iterdir()) == []
