@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 SETUP := pyproject.toml constraints.txt
+FUZZ_SECONDS ?= 600
 
 .DEFAULT_GOAL := help
 .PHONY: help report test lab data shapes bench fuzz assignments format lint clean system
@@ -25,6 +26,15 @@ data: $(VENV)/report.done ## download the real meshes (MESHFAIR_MIRROR=DIR: copy
 
 shapes: $(VENV)/report.done ## write the built-in shapes to data/
 	$(BIN)/python data_scripts/write_shapes.py
+
+bench: $(VENV)/bench.done ## measure times and memory beside other libraries (a quarter of an hour)
+	$(BIN)/python tests/benchmarks/bench.py
+
+fuzz: $(VENV)/test.done ## try the readers on random bytes for ten minutes (FUZZ_SECONDS=N)
+	MESHFAIR_FUZZ_SECONDS=$(FUZZ_SECONDS) $(BIN)/python -m pytest tests/test_io.py -k random_bytes
+
+assignments: $(VENV)/notebooks.done ## make the students' versions of the assignments
+	$(BIN)/python -m meshfair.grading.generate
 
 lint: $(VENV)/test.done ## check the code's style
 	$(BIN)/ruff check .

@@ -252,6 +252,7 @@ def malformed():
             "two_corners": "2 1 2",
             "one_corner": "1 2",
             "no_corner": "0",
+            "two_more": "3 1 2 4 5 5",
             "four_more": "3 1 2 4 5 5 5 5 5",
         }.items():
             files[f"face_{name}.{kind}"] = changed(SOUND[kind], "3 1 2 4", row)

@@ -61,16 +61,15 @@ def average(V, A, steps, *, fixed=None):
     held = _held(fixed, len(V))
     if not isinstance(steps, Integral) or steps < 0:
         raise ValueError(f"steps is {steps!r}; give a whole number of at least 0")
-    order = _order_for(A, steps)
-    A, X, held = _in_order(order, A, V, held)
+    order, A = _order_for(A, steps)
+    X, held = _in_order(order, V, held)
     buffers = [np.empty_like(V) for _ in range(min(steps, 2))]
     for step in range(steps):
         _step(A, X, held, 1.0, buffers[step % 2])
         X = buffers[step % 2]
     if order is None:
         return X if steps else V.copy()
-    V_last = np.empty_like(V)
-    V_last[order] = X
+    (V_last,) = _in_order(ordering.rank(order), X)
     return V_last
 
 
@@ -185,8 +184,8 @@ def _snr_curve(V_noisy, V_clean, A, tau, time, rebuild, fixed):
     if signal == 0:
         raise MeshError("V_clean has all its vertices at the origin, so it has no SNR; move it")
 
-    order = None if build else _order_for(A, steps)
-    A, X, V_clean, held = _in_order(order, A, V.copy(), V_clean, held)
+    order, A = (None, A) if build else _order_for(A, steps)
+    X, V_clean, held = _in_order(order, V.copy(), V_clean, held)
     Y = np.empty_like(X)
     curve = np.empty((steps + 1, 2))
     for step in range(steps + 1):
@@ -243,17 +242,17 @@ def _held(fixed, n):
 
 
 def _order_for(A, steps):
-    """An order of the vertices in which so many steps are quicker, or None."""
+    """An order of the vertices in which so many steps are quicker, or None; and A in it."""
     if steps < STEPS_WORTH_ORDERING or A.shape[0] < VERTICES_WORTH_ORDERING:
-        return None
+        return None, A
     return ordering.nearby(A)
 
 
-def _in_order(order, A, *of_vertices):
-    """An operator and arrays with a row for each vertex, in this order of the vertices."""
+def _in_order(order, *of_vertices):
+    """Arrays with a row for each vertex, in this order of the vertices."""
     if order is None:
-        return A, *of_vertices
-    return ordering.relabelled(A, order), *(X[order] for X in of_vertices)
+        return of_vertices
+    return tuple(np.take(X, order, axis=0) for X in of_vertices)
 
 
 def _checked(V, A, tau, time, rebuild, fixed):

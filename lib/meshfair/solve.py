@@ -172,20 +172,20 @@ def _direct(A, B):
 
 
 def _iterative(A, B, X, tolerance):
-    order = ordering.nearby(A)
-    A = ordering.relabelled(A, order)
+    order, A = ordering.nearby(A)
+    B, X = np.take(B, order, axis=0), np.take(X, order, axis=0)
     multigrid = Multigrid(A)
-    iterations = 0
+    steps = 0
     for k in range(0, B.shape[1], 3):  # three columns at a time
-        columns = range(k, min(k + 3, B.shape[1]))
+        columns = slice(k, min(k + 3, B.shape[1]))
+        count = columns.stop - k
         B3, X3 = np.zeros((2, len(B), 3))
-        B3[:, : len(columns)] = B[order][:, columns]
-        X3[:, : len(columns)] = X[order][:, columns]
+        B3[:, :count], X3[:, :count] = B[:, columns], X[:, columns]
         # Half of it: rounding lets the true residual drift from the iteration's.
-        iterations += _conjugate_gradients(A, multigrid, B3, X3, tolerance / 2)
-        for c in columns:
-            X[order, c] = X3[:, c - k]
-    return X, f"the iteration stopped after {iterations} steps and"
+        steps += _conjugate_gradients(A, multigrid, B3, X3, tolerance / 2)
+        X[:, columns] = X3[:, :count]
+    X = np.take(X, ordering.rank(order), axis=0)
+    return X, f"the iteration stopped after {steps} steps and"
 
 
 def _conjugate_gradients(A, multigrid, B, X, tolerance):

@@ -1,17 +1,31 @@
 """The command ``meshfair``: one module of this package for each subcommand.
 
 A subcommand's module has a docstring (its help), ``add_arguments(parser)``
-and ``run(arguments)``, which returns the exit code. What a module needs
-beyond argparse it imports in ``run``, so that ``--help`` is quick.
+and ``run(options)``, which returns the exit code. What a module needs beyond
+argparse it imports in ``run``, so that ``--help`` is quick.
 """
 
 import argparse
+import io
+import os
 import sys
+import warnings
 from importlib import import_module
 
 from meshfair import __version__
 
-COMMANDS = ("grade",)
+COMMANDS = ("info", "clean", "noise", "grade", "doctor")
+TRACEBACK_VARIABLE = "MESHFAIR_TRACEBACK"
+
+EXIT_CODES = """\
+exit codes:
+  0    done
+  1    an error, told in one line on standard error
+  2    wrong usage
+  70   a fault of meshfair itself
+  130  interrupted
+  141  whoever read the output went away
+"""
 
 
 def main(arguments=None):
@@ -25,22 +39,78 @@ def main(arguments=None):
     Returns
     -------
     int
-        0 for success, 1 for an error (one line on standard error), 2 for
-        wrong usage, 130 where the user interrupted.
+        See `EXIT_CODES`. With the environment variable MESHFAIR_TRACEBACK
+        set, errors are raised instead.
     """
-    parser = argparse.ArgumentParser(prog="meshfair", description="Denoise triangulated meshes.")
+    name = "meshfair"
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # a file's name may hold anything
+    try:
+        options, run = _parse(arguments)
+        name = f"meshfair {options.command}"
+        with warnings.catch_warnings():
+            warnings.simplefilter("default", UserWarning)  # the package's own, each once
+            warnings.showwarning = lambda message, *_: _tell(f"{name}: warning: {message}")
+            code = run(options) or 0
+        sys.stdout.flush()  # so that a closed pipe shows here
+        return code
+    except BrokenPipeError:
+        # Nobody is left to tell; Python's own flush at the end must not fail again.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 141
+    except KeyboardInterrupt:
+        _tell(f"{name}: interrupted")
+        return 130
+    except Exception as error:
+        if os.environ.get(TRACEBACK_VARIABLE):
+            raise
+        return _explain(name, error)
+
+
+def _parse(arguments):
+    """The options, and the function that runs the subcommand."""
+    parser = argparse.ArgumentParser(
+        prog="meshfair",
+        description="Denoise triangulated meshes.",
+        epilog=EXIT_CODES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     parser.add_argument("--version", action="version", version=f"meshfair {__version__}")
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     modules = {name: import_module(f"meshfair.cli.{name}") for name in COMMANDS}
     for name, module in modules.items():
-        summary = module.__doc__.partition("\n")[0]
-        module.add_arguments(subparsers.add_parser(name, help=summary, description=module.__doc__))
-    options = parser.parse_args(arguments)
+        summary, _, details = module.__doc__.partition("\n")
+        subparser = subparsers.add_parser(
+            name,
+            help=summary,
+            description=f"{summary}\n{details}",
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        module.add_arguments(subparser)
     try:
-        return modules[options.command].run(options) or 0
-    except (ValueError, OSError) as error:  # MeshError is a ValueError
-        print(f"meshfair {options.command}: {error}", file=sys.stderr)
+        options = parser.parse_args(arguments)
+    except SystemExit:
+        sys.stdout.flush()  # help, too, can meet a closed pipe
+        raise
+    return options, modules[options.command].run
+
+
+def _explain(name, error):
+    """Say in one line what went wrong; return the exit code."""
+    if isinstance(error, MemoryError):
+        _tell(f"{name}: not enough memory; use a smaller mesh or free some")
         return 1
-    except KeyboardInterrupt:
-        print(f"meshfair {options.command}: interrupted", file=sys.stderr)
-        return 130
+    if isinstance(error, (ValueError, ArithmeticError, OSError)):  # the package's own are of these
+        _tell(f"{name}: {error}")
+        return 1
+    _tell(
+        f"{name}: {type(error).__name__}: {error}. This is a fault of meshfair; please report it "
+        f"with what {TRACEBACK_VARIABLE}=1 shows"
+    )
+    return 70
+
+
+def _tell(message):
+    """Print one line on standard error, whatever the message holds."""
+    print(" ".join(str(message).split()), file=sys.stderr)

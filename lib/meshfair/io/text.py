@@ -33,9 +33,9 @@ def parse_numbers(text, dtype, size):
         return np.empty(0, dtype)  # np.fromstring finds a number where there is none
     try:
         numbers = np.fromstring(text, dtype, sep=" ")
-    except (ValueError, DeprecationWarning):  # NumPy before 2.3 warns and returns the beginning
+    except (ValueError, DeprecationWarning):
         return None
-    # 1.5.5 is read as 1.5 and .5, so the reading is sound only if the count is.
+    # NumPy before 2.3 may only warn of a wrong word, and return the numbers before it.
     return numbers if len(numbers) == size else None
 
 

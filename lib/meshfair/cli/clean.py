@@ -1,0 +1,65 @@
+"""Mend a mesh: only what is asked for is done, in the order of the options.
+
+`meshfair info` says what is wrong.
+"""
+
+from meshfair.cli import files, printing
+
+
+def add_arguments(parser):
+    """Declare the subcommand's arguments."""
+    files.add_input(parser, "in")
+    files.add_output(parser)
+    parser.add_argument(
+        "--weld",
+        type=float,
+        metavar="DISTANCE",
+        help="join vertices up to so many mean edge lengths apart; 0: in the same place",
+    )
+    parser.add_argument("--degenerate", action="store_true", help="drop faces without area")
+    parser.add_argument("--duplicates", action="store_true", help="drop repeated faces")
+    parser.add_argument(
+        "--orient", choices=("consistent", "outward"), help="turn faces over until they agree"
+    )
+    parser.add_argument(
+        "--split", action="store_true", help="cut apart non-manifold edges and vertices"
+    )
+    parser.add_argument(
+        "--unreferenced", action="store_true", help="drop vertices that no face uses"
+    )
+    files.add_reading(parser)
+    files.add_json(parser)
+
+
+def run(options):
+    """Read, mend, write, and say what was done.
+
+    Returns
+    -------
+    int
+        0 where the mesh was written.
+    """
+    from meshfair import mesh
+
+    source = vars(options)["in"]
+    files.check_output(options.out, [source], options.force)
+    V, F = files.read(source, options)
+    steps = ("weld", "degenerate", "duplicates", "orient", "split", "unreferenced")
+    cleaned = mesh.clean(V, F, **{name: getattr(options, name) for name in steps})
+    files.write(options.out, cleaned.V, cleaned.F, [source], options.force)
+    if options.json:
+        printing.print_json(
+            {
+                "out": str(options.out),
+                "vertices": len(cleaned.V),
+                "faces": len(cleaned.F),
+                "steps": [step._asdict() for step in cleaned.report],
+            }
+        )
+    else:
+        for step in cleaned.report:
+            print(step.told)
+        if not cleaned.report:
+            print("nothing was asked for, so nothing was changed")
+        print(f"{options.out}: {len(cleaned.V):,} vertices, {len(cleaned.F):,} faces")
+    return 0

@@ -1,0 +1,86 @@
+"""The files that subcommands read and write: what they share."""
+
+import os
+from pathlib import Path
+
+
+def add_input(parser, name="file", purpose="the mesh to read"):
+    """Declare a mesh file that is read; see `read`."""
+    parser.add_argument(name, metavar=name.upper(), type=Path, help=purpose)
+
+
+def add_reading(parser):
+    """Declare how meshes are read."""
+    parser.add_argument(
+        "--weld-stl",
+        action="store_true",
+        help="join the corners of an STL file that are in the same place",
+    )
+
+
+def add_output(parser):
+    """Declare the mesh file that is written; see `check_output`."""
+    parser.add_argument(
+        "out", metavar="OUT", type=Path, help="the mesh to write; its ending tells the format"
+    )
+    parser.add_argument("--force", action="store_true", help="replace OUT if it is there")
+
+
+def add_json(parser):
+    """Declare machine-readable output; see `meshfair.cli.printing`."""
+    parser.add_argument("--json", action="store_true", help="print one JSON object instead of text")
+
+
+def read(path, options):
+    """Read a mesh as the options of `add_reading` say.
+
+    Returns
+    -------
+    V : ndarray of float64, shape (n, 3)
+    F : ndarray of int64, shape (m, 3)
+    """
+    from meshfair import io
+
+    return io.read(path, weld_stl=options.weld_stl)
+
+
+def check_output(out, inputs, force):
+    """Refuse an output that would destroy something, or that cannot be written.
+
+    Called before the work, so that nothing is computed in vain.
+
+    Parameters
+    ----------
+    out : pathlib.Path
+    inputs : sequence of pathlib.Path
+        Never written over, not even with ``force``.
+    force : bool
+        Whether another file of this name may be replaced.
+
+    Raises
+    ------
+    OSError, MeshError
+        One sentence: what is in the way, and what to do.
+    """
+    from meshfair import io
+
+    if Path(out.name.lower().removesuffix(".gz")).suffix not in io.FORMATS:
+        raise ValueError(f"{out}: name it {', '.join(io.FORMATS)}, or one of them and .gz")
+    for path in inputs:
+        if out.exists() and path.exists() and os.path.samefile(out, path):
+            raise FileExistsError(f"{out} is an input too; give the output another name")
+    if out.is_dir():
+        raise IsADirectoryError(f"{out} is a folder; give the name of a file in it")
+    if out.exists() and not force:
+        raise FileExistsError(f"{out} is there already; replace it with --force, or choose a name")
+    if not os.access(out.parent, os.W_OK):
+        reason = "cannot be written to" if out.parent.is_dir() else "is not there"
+        raise PermissionError(f"{out}: the folder {out.parent} {reason}; choose another")
+
+
+def write(out, V, F, inputs, force):
+    """Write the mesh, after the checks of `check_output` once more: work takes time."""
+    from meshfair import io
+
+    check_output(out, inputs, force)
+    io.write(out, V, F)

@@ -1,0 +1,169 @@
+// Curves or points with axes, a legend, and a marker at one x; a click picks an x.
+
+const HEIGHT = 190;
+const MARGIN = { left: 46, right: 14, top: 8, bottom: 34 };
+// Told apart on light and on dark paper, and by colour-blind readers.
+const COLOURS = ["#3b8fd6", "#e07b1a", "#17a679", "#b86fb8"];
+const SVG = "http://www.w3.org/2000/svg";
+
+function draw(name, attributes, parent, text) {
+  const node = document.createElementNS(SVG, name);
+  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
+  if (text !== undefined) node.textContent = text;
+  parent.append(node);
+  return node;
+}
+
+/** Round numbers from low to high, about `count` of them. */
+function ticks(low, high, count) {
+  const rough = (high - low) / count;
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = [1, 2, 5, 10].map((m) => m * power).find((s) => s >= rough);
+  const first = Math.ceil(low / step - 1e-9);
+  const last = Math.floor(high / step + 1e-9);
+  const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+  return Array.from({ length: last - first + 1 }, (_, k) => {
+    const value = (first + k) * step;
+    return { value, label: Math.abs(value) < 1e5 ? value.toFixed(digits) : value.toExponential(0) };
+  });
+}
+
+/** The two ends of some numbers, with a little air. */
+function extent(numbers, air) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const x of numbers) {
+    if (x < low) low = x;
+    if (x > high) high = x;
+  }
+  if (low > high) return [0, 1];
+  const pad = high > low ? air * (high - low) : 0.5;
+  return [low - pad, high + pad];
+}
+
+/** Linear interpolation of a curve at x; undefined outside of it. */
+function at(curve, x) {
+  const k = curve.x.findIndex((value) => value >= x - 1e-9);
+  if (k < 0) return undefined;
+  if (k === 0) return Math.abs(curve.x[0] - x) < 1e-6 ? curve.y[0] : undefined;
+  const share = (x - curve.x[k - 1]) / (curve.x[k] - curve.x[k - 1]);
+  return curve.y[k - 1] + share * (curve.y[k] - curve.y[k - 1]);
+}
+
+function render({ model, el }) {
+  el.classList.add("meshfair-chart");
+  const head = document.createElement("div");
+  head.className = "title";
+  el.append(head);
+  const svg = draw("svg", { height: HEIGHT }, el);
+  let toX = () => 0; // from pixels back to x, for the pointer
+
+  const paint = () => {
+    const width = svg.clientWidth;
+    if (!width) return;
+    const series = model.get("series");
+    const colour = (curve, i) => curve.colour || COLOURS[i % COLOURS.length];
+
+    head.replaceChildren();
+    const title = document.createElement("b");
+    title.textContent = model.get("title");
+    head.append(title);
+    if (series.length > 1) {
+      series.forEach((curve, i) => {
+        const key = document.createElement("span");
+        key.className = "key";
+        key.style.setProperty("--colour", colour(curve, i));
+        key.textContent = curve.name;
+        head.append(key);
+      });
+    }
+
+    const [x0, x1] = model.get("x_range") ?? extent(series.flatMap((s) => s.x), 0);
+    const threshold = model.get("threshold");
+    const heights = series.flatMap((s) => s.y);
+    const [y0, y1] =
+      model.get("y_range") ?? extent(threshold === null ? heights : [...heights, threshold], 0.06);
+    const right = width - MARGIN.right;
+    const bottom = HEIGHT - MARGIN.bottom;
+    const X = (x) => MARGIN.left + ((x - x0) / (x1 - x0 || 1)) * (right - MARGIN.left);
+    const Y = (y) => bottom - ((y - y0) / (y1 - y0 || 1)) * (bottom - MARGIN.top);
+    toX = (pixel) => x0 + ((pixel - MARGIN.left) / (right - MARGIN.left)) * (x1 - x0);
+
+    svg.replaceChildren();
+    for (const { value, label } of ticks(y0, y1, 5)) {
+      const y = Y(value);
+      draw("line", { class: "grid", x1: MARGIN.left, x2: right, y1: y, y2: y }, svg);
+      draw("text", { x: MARGIN.left - 5, y: y + 4, "text-anchor": "end" }, svg, label);
+    }
+    for (const { value, label } of ticks(x0, x1, Math.max(3, Math.floor(width / 90)))) {
+      draw("text", { x: X(value), y: bottom + 14, "text-anchor": "middle" }, svg, label);
+    }
+    draw("line", { class: "grid", x1: MARGIN.left, x2: right, y1: bottom, y2: bottom }, svg);
+    const middle = (MARGIN.left + right) / 2;
+    draw("text", { x: middle, y: HEIGHT - 3, "text-anchor": "middle" }, svg, model.get("x_label"));
+    const turned = `translate(10 ${(bottom + MARGIN.top) / 2}) rotate(-90)`;
+    draw("text", { transform: turned, "text-anchor": "middle" }, svg, model.get("y_label"));
+
+    if (threshold !== null) {
+      const y = Y(threshold);
+      draw("line", { class: "threshold", x1: MARGIN.left, x2: right, y1: y, y2: y }, svg);
+    }
+    series.forEach((curve, i) => {
+      if (curve.points) {
+        curve.x.forEach((x, k) => {
+          const over = threshold !== null && curve.y[k] > threshold + 1e-9;
+          const fill = over ? "var(--alarm)" : colour(curve, i);
+          draw("circle", { cx: X(x), cy: Y(curve.y[k]), r: over ? 3 : 2, fill }, svg);
+        });
+      } else if (curve.x.length) {
+        const path = curve.x.map((x, k) => `${X(x).toFixed(1)},${Y(curve.y[k]).toFixed(1)}`);
+        draw("polyline", { class: "curve", points: path.join(" "), stroke: colour(curve, i) }, svg);
+      }
+    });
+
+    const marker = model.get("marker");
+    if (marker === null || marker < x0 - 1e-9 || marker > x1 + 1e-9) return;
+    const x = X(marker);
+    draw("line", { class: "marker", x1: x, x2: x, y1: MARGIN.top, y2: bottom }, svg);
+    series.forEach((curve, i) => {
+      const y = at(curve, marker);
+      if (y === undefined || curve.points) return;
+      draw("circle", { cx: x, cy: Y(y), r: 5, fill: colour(curve, i) }, svg);
+      // With several curves the panels' titles give the values.
+      if (series.length > 1) return;
+      const left = x > middle;
+      const place = { x: x + (left ? -9 : 9), y: Math.max(Y(y) - 8, 12) };
+      const anchor = left ? "end" : "start";
+      draw("text", { class: "value", ...place, "text-anchor": anchor }, svg, y.toFixed(2));
+    });
+  };
+
+  const pick = (event) => {
+    if (event.buttons !== 1) return;
+    model.set("picked", toX(event.clientX - svg.getBoundingClientRect().left));
+    model.save_changes();
+  };
+  svg.addEventListener("pointerdown", (event) => {
+    svg.setPointerCapture(event.pointerId);
+    pick(event);
+  });
+  svg.addEventListener("pointermove", pick);
+
+  // Many traits may change at once: one picture for all of them.
+  let planned = 0;
+  const plan = () => {
+    planned ||= requestAnimationFrame(() => {
+      planned = 0;
+      paint();
+    });
+  };
+  model.on("change", plan);
+  const size = new ResizeObserver(plan);
+  size.observe(svg);
+  return () => {
+    size.disconnect();
+    cancelAnimationFrame(planned);
+    model.off("change", plan);
+  };
+}
+
+export default { render };

@@ -1,0 +1,72 @@
+"""Curves with a moving marker, drawn in the page."""
+
+from pathlib import Path
+
+import numpy as np
+import traitlets
+
+from meshfair.viewer import libraries
+
+anywidget = libraries.load("anywidget", "an explorer")
+
+
+class Chart(anywidget.AnyWidget):
+    """A small chart of curves or points; see chart.js.
+
+    Drawn by the page from the numbers, so that a marker moves without a
+    picture being sent, and the chart has the notebook's theme and width.
+
+    Parameters
+    ----------
+    title, x_label, y_label : str
+        What is shown, with units.
+    **traits
+        Of `anywidget.AnyWidget`, such as a layout.
+    """
+
+    _esm = Path(__file__).with_name("chart.js")
+    _css = Path(__file__).with_name("chart.css")
+    title = traitlets.Unicode().tag(sync=True)
+    x_label = traitlets.Unicode().tag(sync=True)
+    y_label = traitlets.Unicode().tag(sync=True)
+    series = traitlets.List().tag(sync=True)
+    x_range = traitlets.List(allow_none=True, default_value=None).tag(sync=True)
+    y_range = traitlets.List(allow_none=True, default_value=None).tag(sync=True)
+    threshold = traitlets.Float(allow_none=True, default_value=None).tag(sync=True)
+    marker = traitlets.Float(allow_none=True, default_value=None).tag(sync=True)
+    picked = traitlets.Float(allow_none=True, default_value=None).tag(sync=True)
+    """Where on the x axis the reader last clicked."""
+
+    def draw(self, curves, *, points=False, colours=None, threshold=None, x_range=None):
+        """Show some curves in place of those before.
+
+        Parameters
+        ----------
+        curves : dict of str to (x, y)
+            Name -> coordinates; values that are not finite are left out.
+        points : bool
+            Points, not joined by lines.
+        colours : dict of str to str, optional
+            A CSS colour for each name.
+        threshold : float, optional
+            Draw a line across at this y, and make what lies above it stand out.
+        x_range : (float, float), optional
+            Ends of the x axis; those of the curves by default.
+        """
+        series = []
+        for name, (x, y) in curves.items():
+            x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+            shown = np.isfinite(x) & np.isfinite(y)
+            series.append(
+                {
+                    "name": name,
+                    "x": x[shown].tolist(),
+                    "y": y[shown].tolist(),
+                    "points": points,
+                    "colour": (colours or {}).get(name, ""),
+                }
+            )
+        # One message for all of it, so that the page never shows a mixture.
+        with self.hold_sync():
+            self.series, self.threshold = series, threshold
+            self.x_range = None if x_range is None else [float(x) for x in x_range]

@@ -1,0 +1,670 @@
+# Instructor's file of assignment 2; `make assignments` makes the students' files from it.
+# Its cells are explained in meshfair.grading.source. Each kind of cell becomes a file of
+# its own, so names are imported once for each:
+# ruff: noqa: F811
+
+# %% [markdown]
+# # Assignment 2: three weights
+#
+# To smooth a mesh, every vertex looks at its neighbours. *How much* it listens to each of
+# them is written in a sparse matrix $W$: one weight $w_{ij}$ for each edge. You will build
+# three such matrices, derive the famous one with the cotangents, and turn weights into means.
+#
+# **20 points.** Write your functions into the file `a2.py` beside this notebook. Run the
+# cells here; after you save `a2.py` the notebook uses the new version at once.
+# `check("...")` shows what is right and explains what is not. You hand in `a2.py` and
+# nothing else; it will also be tried on meshes that you have not seen.
+#
+# **Allowed:** `numpy`, `scipy` (above all `scipy.sparse.coo_array`), `math`, `itertools`.
+# **Forbidden:** mesh libraries (`meshfair`, `igl`, `open3d`, `trimesh`, ...) inside
+# `a2.py`: they hold the answers. Matrices are sparse: no $n \times n$ array anywhere.
+
+# %%
+# %load_ext autoreload
+# %autoreload 2
+# %load_ext meshfair.grading.notebook
+import a2
+import matplotlib.pyplot as plt
+import numpy as np
+from a2_checks import check
+
+from meshfair import noise, reference, shapes
+from meshfair.grading.notebook import show
+
+# %% [markdown]
+# ## Background
+#
+# The mesh is `V`, shape $(n, 3)$, and `F`, shape $(m, 3)$, with triangles counter-clockwise
+# seen from outside. $E$ is the set of its edges *without orientation*: $(i, j)$ and $(j, i)$ are
+# one edge. Weights are a **symmetric** matrix with zeros on the diagonal,
+#
+# $$ w_{ij} = w_{ji} \ \text{for } (i, j) \in E, \qquad w_{ij} = 0 \ \text{otherwise}, $$
+#
+# and we compare three choices:
+#
+# | weights | $w_{ij}$ on an edge | idea |
+# |---|---|---|
+# | combinatorial | $1$ | all neighbours count the same |
+# | distance | $\lVert v_i - v_j \rVert$ | far neighbours pull more |
+# | cotangent | $\tfrac12 (\cot\alpha_{ij} + \cot\beta_{ij})$ | the surface's own Laplacian |
+#
+# A vertex has about six neighbours, so $W$ has about $6n$ entries that are not zero.
+# `scipy.sparse.coo_array((values, (rows, columns)), shape=(n, n)).tocsr()` builds it, and
+# **adds up** values that fall on the same entry. That is the most useful and the most
+# treacherous property of this lesson.
+
+# %% module
+"""Assignment 2: three weights.
+
+Fill in the functions; the notebook a2.ipynb explains and checks them.
+V: positions, shape (n, 3). F: triangles, shape (m, 3), indices of vertices.
+"""
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array, diags_array
+
+# %% checks
+"""The checks of assignment 2. Reading them is allowed, changing them changes nothing."""
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array, diags_array, triu
+
+from meshfair import mesh, operators, shapes, weights
+from meshfair.grading import expect
+from meshfair.grading.assignment import Assignment
+
+### BEGIN HIDDEN TESTS
+from meshfair.grading.meshes import unseen
+
+### END HIDDEN TESTS
+
+check = Assignment("a2", "Three weights", seed=2022)
+
+
+def closed_meshes(seed):
+    yield "a tetrahedron", *tetrahedron()
+    yield "a sphere", *shapes.icosphere(1, 2.0)
+    ### BEGIN HIDDEN TESTS
+    yield "an unseen mesh", *unseen(seed)
+    yield "an unseen ring", *unseen(seed, ring=True)
+    ### END HIDDEN TESTS
+
+
+def open_meshes(seed):
+    yield "a single triangle", *triangle(0.5)
+    V, F = shapes.icosphere(1)
+    yield "a sphere with a hole", V, F[10:]
+    ### BEGIN HIDDEN TESTS
+    yield "an unseen mesh with a boundary", *unseen(seed, opened=True)
+    ### END HIDDEN TESTS
+
+
+def tetrahedron():
+    V = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    return V, np.array([[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]])
+
+
+def triangle(x):
+    """The triangle (0, 0), (1, 0), (x, 1)."""
+    return np.array([[0.0, 0, 0], [1, 0, 0], [x, 1, 0]]), np.array([[0, 1, 2]])
+
+
+def check_symmetric(W, F):
+    """Fail unless W is symmetric, zero on the diagonal and nonzero at most on the edges."""
+    difference = abs(W - W.T).max()
+    if difference > 1e-9 * abs(W).max():
+        hint = "W is not symmetric: set w_ij and w_ji for every edge."
+        if not abs(triu(W, 1)).nnz or not abs(triu(W.T, 1)).nnz:
+            hint = "Only one half of W is filled: set w_ij and w_ji for every edge."
+        raise expect.WrongAnswerError(hint, expected="W = W.T", came=f"{difference:.3g} off")
+    diagonal = abs(W.diagonal()).max()
+    expect.that(
+        diagonal == 0,
+        "No vertex is its own neighbour: the diagonal of W is zero. The sums d_i belong to "
+        "D, not to W.",
+        expected="zeros on the diagonal",
+        came=f"up to {diagonal:.3g}",
+    )
+    allowed = weights.combinatorial(F, W.shape[0])
+    outside = abs(W - W * allowed).max()
+    expect.that(
+        outside < 1e-12,
+        "W has entries where there is no edge.",
+        expected="entries on the edges only",
+        came=f"another one of size {outside:.3g}",
+    )
+
+
+# %% [markdown]
+# ## Task 1: `edges` (3 points)
+#
+# Each edge once, as a row $(i, j)$ with $i < j$; the order of the rows is up to you.
+#
+# *Hint.* Three `F[:, [a, b]]` stacked give $3m$ rows, in which every inner edge occurs twice,
+# once in each direction. Sort within the rows, then `np.unique(..., axis=0)`. On a closed
+# mesh $3m/2$ rows must be left: every triangle has three edges, every edge two triangles.
+
+
+# %% module
+def edges(F):
+    """Edges without orientation, each once.
+
+    Returns
+    -------
+    array of integers, shape (k, 2), rows (i, j) with i < j
+    """
+    ### BEGIN SOLUTION
+    E = np.concatenate([F[:, [0, 1]], F[:, [1, 2]], F[:, [2, 0]]])
+    return np.unique(np.sort(E, axis=1), axis=0)
+    ### END SOLUTION
+
+
+# %% checks
+def check_edges(student, F):
+    """Compare the rows as a set, with hints."""
+    came = student.edges(F)
+    expected = mesh.edges(F)[0]
+    count = f"{len(expected)} rows (i, j), i < j"
+    E = expect.array(came, "the array of edges")
+    expect.that(
+        E.ndim == 2 and E.shape[1] == 2,
+        "An edge is a row of two vertices.",
+        expected=count,
+        came=f"shape {E.shape}",
+    )
+    low_first = np.sort(E, axis=1)
+    distinct = np.unique(low_first, axis=0)
+    complete = distinct.shape == expected.shape and np.array_equal(distinct, expected)
+    hint = "Some edges are missing or do not exist: a triangle has the edges ab, bc and ca."
+    if complete and len(E) > len(distinct):
+        hint = (
+            "Edges occur twice, as (i, j) and as (j, i): sort both indices within each row "
+            "before np.unique, and give it axis=0."
+        )
+        if np.array_equal(low_first, E):
+            hint = "Edges occur twice, once for each of their triangles: np.unique(..., axis=0)."
+    elif complete and not np.array_equal(low_first, E):
+        hint = "The edges are right, but not all rows have i < j."
+    right = complete and len(E) == len(distinct) and np.array_equal(low_first, E)
+    expect.that(right, hint, expected=count, came=f"{len(E)} rows, {len(distinct)} different edges")
+
+
+@check.part("edges", 2, closed_meshes)
+def edges_of_closed_meshes(student, V, F):
+    """On closed meshes."""
+    check_edges(student, F)
+
+
+@check.part("edges", 1, open_meshes)
+def edges_of_open_meshes(student, V, F):
+    """On meshes with a boundary."""
+    check_edges(student, F)
+
+
+# %%
+check("edges")
+
+# %% [markdown]
+# ## Task 2: `combinatorial_weights` (4 points)
+#
+# $w_{ij} = 1$ on every edge: the adjacency matrix of the mesh. The number of vertices is an
+# argument, since a vertex may be in no triangle.
+#
+# *Hint.* From `edges` the symmetric matrix comes in one step: rows $[i, j]$, columns $[j, i]$,
+# values $[1, 1]$. If you add up half-edges of the *triangles* instead, inner edges get 2.
+
+
+# %% module
+def combinatorial_weights(F, n):
+    """Weight 1 on every edge.
+
+    Returns
+    -------
+    csr_array, shape (n, n)
+    """
+    ### BEGIN SOLUTION
+    E = edges(F)
+    rows, columns = np.concatenate([E, E[:, ::-1]]).T
+    return coo_array((np.ones(len(rows)), (rows, columns)), shape=(n, n)).tocsr()
+    ### END SOLUTION
+
+
+# %% checks
+def half_edge_sums(V, F):
+    """What adding a 1 for each half-edge of each triangle gives: no symmetry at a boundary."""
+    H = mesh.half_edges(F)
+    return coo_array((np.ones(len(H)), (H[:, 0], H[:, 1])), shape=(len(V), len(V)))
+
+
+def check_combinatorial(student, V, F):
+    """Compare, with hints."""
+    n = len(V)
+    W = expect.matrix(student.combinatorial_weights(F, n), "W", n)
+    right = weights.combinatorial(F, n)
+    H = half_edge_sums(V, F)
+    doubled = "did you add both halves of an edge, or each edge once for each of its triangles?"
+    mistakes = [
+        (
+            f"All weights are 2, and so are your rows' sums twice the right ones: {doubled}",
+            2 * right,
+        ),
+        (f"Inner edges have weight 2 and boundary edges 1: {doubled}", H + H.T),
+        ("The half-edges of the triangles are not symmetric at the boundary: use `edges`.", H),
+        ("Only one half of W is filled: set w_ij and w_ji.", triu(right)),
+        ("The degrees d_i do not belong into W.", right + diags_array(right.sum(axis=1))),
+        ("This is the Laplacian D - W, not W.", operators.laplacian(right)),
+    ]
+    expect.close(W, right, "W", mistakes=mistakes)
+
+
+@check.part("combinatorial_weights", 1, closed_meshes)
+def combinatorial_is_symmetric(student, V, F):
+    """Sparse, symmetric, zero on the diagonal, nothing outside the edges."""
+    check_symmetric(expect.matrix(student.combinatorial_weights(F, len(V)), "W", len(V)), F)
+
+
+@check.part("combinatorial_weights", 2, closed_meshes)
+def combinatorial_on_closed_meshes(student, V, F):
+    """On closed meshes."""
+    check_combinatorial(student, V, F)
+
+
+@check.part("combinatorial_weights", 1, open_meshes)
+def combinatorial_on_open_meshes(student, V, F):
+    """With a boundary, and with a vertex that no triangle uses."""
+    check_combinatorial(student, np.concatenate([V, [[9.0, 9, 9]]]), F)
+
+
+# %%
+check("combinatorial_weights")
+
+# %% [markdown]
+# ## Task 3: `distance_weights` (3 points)
+#
+# $w_{ij} = \lVert v_i - v_j \rVert$. Not the reciprocal: a far neighbour pulls *more*.
+
+
+# %% module
+def distance_weights(V, F):
+    """The length of each edge as its weight.
+
+    Returns
+    -------
+    csr_array, shape (n, n)
+    """
+    ### BEGIN SOLUTION
+    W = combinatorial_weights(F, len(V)).tocoo()
+    lengths = np.linalg.norm(V[W.row] - V[W.col], axis=1)
+    return coo_array((lengths, (W.row, W.col)), shape=W.shape).tocsr()
+    ### END SOLUTION
+
+
+# %% checks
+def on_entries(function, W):
+    """The sparse matrix with a function applied to its entries."""
+    return csr_array((function(W.data), W.indices, W.indptr), shape=W.shape)
+
+
+@check.part("distance_weights", 1, closed_meshes)
+def distance_is_symmetric(student, V, F):
+    """Sparse, symmetric, zero on the diagonal, nothing outside the edges."""
+    check_symmetric(expect.matrix(student.distance_weights(V, F), "W", len(V)), F)
+
+
+@check.part("distance_weights", 2, closed_meshes)
+def distance_is_right(student, V, F):
+    """The values."""
+    W = weights.distance(V, F)
+    mistakes = [
+        ("All weights are twice the distance: did you add both halves of an edge?", 2 * W),
+        ("These are the squared distances: the root is missing.", on_entries(np.square, W)),
+        (
+            "These are the reciprocals: here a far neighbour pulls more.",
+            on_entries(np.reciprocal, W),
+        ),
+        ("These are the combinatorial weights.", on_entries(np.ones_like, W)),
+        ("Only one half of W is filled: set w_ij and w_ji.", triu(W)),
+    ]
+    came = expect.matrix(student.distance_weights(V, F), "W", len(V))
+    expect.close(came, W, "W", mistakes=mistakes)
+
+
+# %%
+check("distance_weights")
+
+# %% [markdown]
+# ## Where the cotangents come from
+#
+# The smoothest function with given values somewhere is the one with the least **Dirichlet
+# energy** $\frac12 \int \|\nabla u\|^2$. Take $u$ linear on each triangle, with value $u_i$ at
+# vertex $i$: $u = \sum_i u_i \varphi_i$, where the *hat function* $\varphi_i$ is 1 at vertex
+# $i$, 0 at all others.
+#
+# **One triangle.** Let $A$ be its area, $h_i$ its height over the side opposite corner $i$, and
+# $\ell_i$ the length of that side, so $A = \frac12 \ell_i h_i$. Going from that side to the
+# corner, $\varphi_i$ rises from 0 to 1 over the distance $h_i$, so
+#
+# $$ \|\nabla \varphi_i\| = \frac1{h_i} = \frac{\ell_i}{2A}, \qquad
+#    \nabla \varphi_i \perp \text{side opposite } i . $$
+#
+# The gradients of $\varphi_i$ and $\varphi_j$ are perpendicular to two sides that meet at the
+# third corner $k$ with angle $\theta_k$. Both gradients point into the triangle, so the angle
+# between *them* is $180° - \theta_k$, and
+#
+# $$ \int_T \langle \nabla\varphi_i, \nabla\varphi_j \rangle
+#    = A \cdot \frac{\ell_i}{2A} \frac{\ell_j}{2A} \cdot (-\cos\theta_k)
+#    = - \frac{\ell_i \ell_j \cos\theta_k}{4A}
+#    = - \frac{\ell_i \ell_j \cos\theta_k}{2\, \ell_i \ell_j \sin\theta_k}
+#    = - \tfrac12 \cot\theta_k , $$
+#
+# since the area is also $A = \frac12 \ell_i \ell_j \sin\theta_k$. The edge is $(i, j)$, the
+# angle is the one **opposite** to it.
+#
+# **The whole mesh.** An inner edge has two triangles, with the angles $\alpha_{ij}$ and
+# $\beta_{ij}$ across. Both contribute:
+#
+# $$ \int \langle \nabla\varphi_i, \nabla\varphi_j \rangle = - w_{ij}, \qquad
+#    \boxed{\, w_{ij} = \tfrac12 \left( \cot\alpha_{ij} + \cot\beta_{ij} \right) \,} $$
+#
+# The $\varphi_i$ add up to 1, whose gradient is 0, so
+# $\int \|\nabla\varphi_i\|^2 = \sum_j w_{ij} = d_i$, and the energy is
+# $\frac12 u^\top (D - W)\, u$. The matrix $L = D - W$ is the Laplacian of assignment 3.
+#
+# Two things follow at once. A weight is **negative** exactly where
+# $\alpha_{ij} + \beta_{ij} > 180°$; that is right, and no error to repair. And scaling the mesh
+# changes no angle, so the weights have no unit.
+
+# %%
+quad = np.array([[0.0, 0], [2, 0.3], [0.8, 1.5], [1.2, -1.3]])  # i, j, and the corners across
+figure, axes = plt.subplots(figsize=(4.5, 4))
+for corner, name in ((2, r"$\alpha_{ij}$"), (3, r"$\beta_{ij}$")):
+    axes.fill(*quad[[0, 1, corner]].T, facecolor="#dbe7f6", edgecolor="#23415f")
+    towards = quad[[0, 1]].mean(axis=0) - quad[corner]
+    axes.annotate(name, quad[corner] + 0.25 * towards, ha="center", va="center", fontsize=14)
+axes.plot(*quad[[0, 1]].T, color="#c0392b", linewidth=3)
+axes.annotate("$i$", quad[0] + (-0.1, 0), fontsize=14)
+axes.annotate("$j$", quad[1] + (0.05, 0), fontsize=14)
+axes.set(aspect="equal", title="The edge (i, j) and the two angles opposite to it")
+axes.axis("off")
+plt.show()
+
+# %% [markdown]
+# ## Task 4: `cotangent_weights` (7 points)
+#
+# $w_{ij} = \frac12 (\cot\alpha_{ij} + \cot\beta_{ij})$; a boundary edge has one angle only.
+#
+# *Hint.* No angle has to be computed. With $u$ and $v$ the two sides that leave a corner,
+#
+# $$ \cot\theta = \frac{\cos\theta}{\sin\theta} = \frac{\langle u, v \rangle}{\|u \times v\|} .
+# $$
+#
+# Go through the three corners: the cotangent at corner `F[:, k]` belongs to the edge between
+# the *other* two. Here adding up is what you want: both triangles of an edge add their half.
+
+
+# %% module
+def cotangent_weights(V, F):
+    """Half the sum of the cotangents opposite to each edge.
+
+    Returns
+    -------
+    csr_array, shape (n, n)
+    """
+    ### BEGIN SOLUTION
+    W = csr_array((len(V), len(V)))
+    for corner in range(3):
+        k, i, j = (F[:, (corner + step) % 3] for step in range(3))
+        u, v = V[i] - V[k], V[j] - V[k]
+        cotangent = (u * v).sum(axis=1) / np.linalg.norm(np.cross(u, v), axis=1)
+        W = W + coo_array((cotangent / 2, (i, j)), shape=W.shape)
+    return csr_array(W + W.T)
+    ### END SOLUTION
+
+
+# %% checks
+def corner_sums(V, F, function, shift=0):
+    """Symmetric sums over the triangles of a function of an angle.
+
+    With shift 0 the angle opposite to the edge, with 1 or 2 one beside it.
+    """
+    W = csr_array((len(V), len(V)))
+    for corner in range(3):
+        i, j = F[:, (corner + 1) % 3], F[:, (corner + 2) % 3]
+        at, to, fro = (V[F[:, (corner + shift + step) % 3]] for step in range(3))
+        u, v = to - at, fro - at
+        sine = np.linalg.norm(np.cross(u, v), axis=1)
+        w = function(np.arctan2(sine, (u * v).sum(axis=1)))
+        W = W + coo_array((w, (i, j)), shape=W.shape) + coo_array((w, (j, i)), shape=W.shape)
+    return W
+
+
+def cotangent_mistakes(V, F):
+    """Typical wrong values, up to a factor; each with its hint."""
+    W = weights.cotangent(V, F)
+
+    def cot(angle):
+        return 1 / np.tan(angle)
+
+    return [
+        (
+            "These are cotangents of degrees: np.tan takes radians. Better, compute no angle: "
+            "cot = <u, v> / |u x v|.",
+            lambda: corner_sums(V, F, lambda angle: cot(np.degrees(angle))),
+        ),
+        ("These are tangents: cot = cos / sin = <u, v> / |u x v|.",
+         lambda: corner_sums(V, F, np.tan)),
+        ("These are cosines: divide by |u x v|, not by |u| |v|.",
+         lambda: corner_sums(V, F, np.cos)),
+        ("These are the angles themselves; their cotangents are wanted.",
+         lambda: corner_sums(V, F, np.asarray)),
+        *(
+            ("You take an angle beside the edge; the one opposite to it counts: the cotangent at "
+             "corner k belongs to the edge between the other two.",
+             lambda shift=shift: corner_sums(V, F, cot, shift))
+            for shift in (1, 2)
+        ),
+        ("You cut negative weights off: they are right where alpha + beta > 180 degrees.",
+         on_entries(lambda w: np.maximum(w, 0), W)),
+        ("You took absolute values: weights are negative where alpha + beta > 180 degrees.",
+         on_entries(np.abs, W)),
+        ("You took absolute values: cotangents of obtuse angles are negative.",
+         lambda: corner_sums(V, F, lambda angle: np.abs(cot(angle)))),
+        ("The whole sign is wrong: L = D - W has the negative weights, W the positive ones.", -W),
+        ("This is the Laplacian D - W (or libigl's, with the other sign), not W.",
+         operators.laplacian(W)),
+        ("This is the Laplacian D - W (or libigl's, with the other sign), not W.",
+         -operators.laplacian(W)),
+        ("Only one half of W is filled: set w_ij and w_ji.", triu(W)),
+    ]  # fmt: skip
+
+
+def acute_meshes(seed):
+    """All weights positive: here only the formula counts, not the sign."""
+    yield "a tetrahedron", *tetrahedron()
+    V, F = shapes.icosphere(1)
+    yield "a stretched sphere", V * [1.0, 1.2, 1.3], F
+    ### BEGIN HIDDEN TESTS
+    stretch = np.random.default_rng(seed).uniform(1, 1.2, 3)
+    yield "an unseen stretched sphere", 3 * V * stretch, F
+    ### END HIDDEN TESTS
+
+
+@check.part("cotangent_weights", 1, acute_meshes)
+def cotangent_is_symmetric(student, V, F):
+    """Sparse, symmetric, zero on the diagonal, nothing outside the edges."""
+    check_symmetric(expect.matrix(student.cotangent_weights(V, F), "W", len(V)), F)
+
+
+@check.part("cotangent_weights", 3, acute_meshes)
+def cotangent_up_to_a_factor(student, V, F):
+    """The cotangents of the right angles, up to one common factor."""
+    W = weights.cotangent(V, F)
+    came = expect.matrix(student.cotangent_weights(V, F), "W", len(V))
+    expect.proportional(came, W, "W", mistakes=cotangent_mistakes(V, F))
+
+
+@check.part("cotangent_weights", 2, acute_meshes)
+def cotangent_has_its_half(student, V, F):
+    """The factor one half."""
+    W = weights.cotangent(V, F)
+    mistakes = [
+        (
+            "All weights are twice the right ones: the half of (cot alpha + cot beta) / 2 is "
+            "missing, or both halves of an edge were added.",
+            2 * W,
+        ),
+        ("All weights are half the right ones: was the half taken twice?", W / 2),
+    ]
+    came = expect.matrix(student.cotangent_weights(V, F), "W", len(V))
+    expect.close(came, W, "W", mistakes=[*mistakes, *cotangent_mistakes(V, F)])
+
+
+def obtuse_meshes(seed):
+    yield "a triangle with an obtuse angle", *triangle(2.0)
+    V, F = shapes.icosphere(1)
+    yield "a flat sphere with a hole", V * [1.0, 1.0, 0.3], F[10:]
+    ### BEGIN HIDDEN TESTS
+    yield "an unseen mesh", *unseen(seed)
+    yield "an unseen ring with a boundary", *unseen(seed, ring=True, opened=True)
+    ### END HIDDEN TESTS
+
+
+@check.part("cotangent_weights", 1, obtuse_meshes)
+def cotangent_of_obtuse_angles(student, V, F):
+    """Obtuse angles keep their sign; boundary edges have one angle."""
+    W = weights.cotangent(V, F)
+    came = expect.matrix(student.cotangent_weights(V, F), "W", len(V))
+    expect.proportional(came, W, "W", mistakes=cotangent_mistakes(V, F))
+
+
+# %%
+check("cotangent_weights")
+
+# %% [markdown]
+# libigl is the library that researchers use. Its `cotmatrix` is $-L$; meshfair's `reference`
+# reads the weights off it. Rounding is all that may differ:
+
+# %% result
+V, F = shapes.knot()
+difference = abs(a2.cotangent_weights(V, F) - reference.cotangent(V, F)).max()
+print(f"largest difference from libigl on the knot: {difference:.1e}")
+
+# %% [markdown]
+# ## Task 5: `averaging` (3 points)
+#
+# From weights to weighted means: divide every row by its sum $d_i = \sum_k w_{ik}$,
+#
+# $$ \tilde W = D^{-1} W, \qquad \tilde w_{ij} = \frac{w_{ij}}{d_i} . $$
+#
+# Each row of $\tilde W$ sums to 1, and $\tilde W V$ puts each vertex at the weighted mean of
+# its neighbours. $\tilde W$ is *not* symmetric.
+#
+# *Hint.* A diagonal matrix times $W$ scales the **rows**: `diags_array(1 / d) @ W`. Write
+# `W / d` and NumPy's broadcasting divides the columns instead.
+
+
+# %% module
+def averaging(W):
+    """The averaging operator: W with every row divided by its sum.
+
+    Returns
+    -------
+    csr_array, shape (n, n)
+    """
+    ### BEGIN SOLUTION
+    return csr_array(diags_array(1 / W.sum(axis=1)) @ W)
+    ### END SOLUTION
+
+
+# %% checks
+def weight_matrices(seed):
+    V, F = shapes.icosphere(1)
+    yield "combinatorial weights", weights.combinatorial(F, len(V))
+    yield "distance weights", weights.distance(V * [1, 2, 3], F)
+    ### BEGIN HIDDEN TESTS
+    yield "unseen cotangent weights", weights.cotangent(*unseen(seed))
+    ### END HIDDEN TESTS
+
+
+@check.part("averaging", 1, weight_matrices)
+def averaging_has_rows_of_sum_one(student, W):
+    """Each row sums to one."""
+    n = W.shape[0]
+    A = expect.matrix(student.averaging(W), "the operator", n)
+    sums = A.sum(axis=1)
+    worst = np.argmax(np.abs(sums - 1))
+    hint = "The rows do not sum to one: divide each row by its own sum."
+    if expect.alike(sums, np.full(n, sums[0])):
+        hint = f"Your rows sum to {sums[0]:.4g}: divide by the full sum d_i of the row."
+        if abs(sums[0] - 2) < 1e-9:
+            hint = "Your rows sum to 2: did you add both halves of an edge?"
+    elif expect.alike(A.sum(axis=0), np.ones(n)):
+        hint = (
+            "Your columns sum to one, the rows should: W / d divides the columns, "
+            "diags_array(1 / d) @ W the rows."
+        )
+    elif expect.alike(A.toarray(), W.toarray()):
+        hint = "This is W itself: the division by the row sums is missing."
+    expect.that(
+        abs(sums[worst] - 1) < 1e-9,
+        hint,
+        expected="1 for every row",
+        came=f"row {worst} sums to {sums[worst]:.4g}",
+    )
+
+
+@check.part("averaging", 2, weight_matrices)
+def averaging_is_right(student, W):
+    """The values."""
+    d = W.sum(axis=1)
+    root = diags_array(np.sqrt(np.maximum(d, 0)) / np.maximum(np.abs(d), 1e-300))
+    mistakes = [
+        (
+            "You divided the columns: diags_array(1 / d) @ W scales the rows.",
+            W @ diags_array(1 / d),
+        ),
+        (
+            "This is the symmetric normalisation D^(-1/2) W D^(-1/2); here it is D^-1 W.",
+            root @ W @ root,
+        ),
+        (
+            "These are equal weights for all neighbours: divide w_ij by d_i, not 1 by the degree.",
+            lambda: operators.averaging(on_entries(np.ones_like, W)),
+        ),
+    ]
+    came = expect.matrix(student.averaging(W), "the operator", W.shape[0])
+    expect.close(came, operators.averaging(W), "the operator", mistakes=mistakes)
+
+
+# %%
+check("averaging")
+
+# %% [markdown]
+# One step of averaging, $\tilde W V$, with each of your weights. Which one smooths most,
+# which one keeps the triangles where they are?
+
+# %% result
+V, F = shapes.torus(sections=48, sides=20)
+V_noisy = noise.along_normals(V, F, 0.25, np.random.default_rng(3))
+yours = {
+    "combinatorial": a2.combinatorial_weights(F, len(V)),
+    "distance": a2.distance_weights(V_noisy, F),
+    "cotangent": a2.cotangent_weights(V_noisy, F),
+}
+smoothed = {name: a2.averaging(W) @ V_noisy for name, W in yours.items()}
+show({"noisy": V_noisy, **smoothed}, F)
+
+# %% [markdown]
+# ## All together
+
+# %%
+check()
+
+# %% [markdown]
+# ## To think about (no points)
+#
+# 1. On a mesh of equilateral triangles, what do the three operators $\tilde W$ have in common?
+# 2. Take a flat mesh, with irregular triangles. For which weights is $\tilde W V = V$ at inner
+#    vertices? (Put a linear function into the derivation above.)
+# 3. Where on the knot are cotangent weights negative, and what does a mean with negative
+#    weights do?

@@ -1,0 +1,223 @@
+"""Time, memory and results of the package and of others that do the same: `make bench`.
+
+    python tests/benchmarks/bench.py [--quick] [--rounds N] [--results FOLDER]
+
+Each library works in a process of its own on the same mesh, the Stanford bunny
+subdivided twice (a torus of that size where `make data` was not run). The
+libraries take turns, round by round, so that a busy machine slows them all; a
+figure is the median of the rounds. First it is checked that the answers agree
+where the algorithms are the same. Then `scaling.py` measures meshes of five
+sizes. The tables are printed and written as CSV files, from which the report
+takes its own.
+"""
+
+import argparse
+import csv
+import importlib.util
+import multiprocessing
+import tempfile
+from pathlib import Path
+
+import measuring
+import numpy as np
+import scaling
+from contenders import CONTENDERS, STEPS, known
+
+RESULTS = Path(__file__).resolve().parents[2] / "report" / "results"
+ROUNDS = {"weights": 9, "step": 9, "steps": 5, "implicit": 3, "flow": 5}
+
+# What the package promises (two cores, 556,051 vertices): ours, how many times as fast, theirs.
+PROMISES = [
+    ("weights", "ours, pattern known", 5, "libigl"),
+    ("weights", "ours, from nothing", 3, "libigl"),
+    ("steps", "ours", 10, "Open3D"),
+    ("steps", "ours", 10, "PyVista"),
+    ("steps", "ours", 7, "PyMeshLab"),
+    ("steps", "ours", 2.5, "trimesh"),
+    ("implicit", "ours", 4, "SciPy CG, diagonal"),
+    ("implicit", "ours", 4, "PyAMG"),
+    ("implicit", "ours", 4, "cholespy"),
+]
+
+
+def serve(pipe):
+    """Do what is asked, in a process with one library: the other side of `Process`."""
+    k, runs, loaded = None, {}, None
+    for question, *details in iter(pipe.recv, None):
+        try:
+            if question == "mesh":
+                if details != loaded:
+                    with np.load(*details) as mesh:
+                        k, runs, loaded = known(mesh["V"], mesh["F"]), {}, details
+                answer = True
+            elif question == "prepare":
+                contender = next(c for c in CONTENDERS if [c.task, c.name] == details)
+                run = runs[tuple(details)] = contender.prepare(k)
+                answer = contender.answer(k, run())  # the first run compiles and fills caches
+            else:
+                seconds, result, memory = measuring.timed_with_memory(runs[tuple(details)])
+                del result
+                answer = seconds, memory
+        except Exception as error:  # a peer's fault is a line in the table
+            answer = error
+        pipe.send(answer)
+
+
+class Process:
+    """A process for one library, that answers questions about a mesh."""
+
+    def __init__(self):
+        context = multiprocessing.get_context("spawn")
+        self.pipe, other = context.Pipe()
+        self.process = context.Process(target=serve, args=(other,), daemon=True)
+        self.process.start()
+        other.close()
+
+    def ask(self, *question):
+        """Send a question and wait for the answer; raise what went wrong there."""
+        self.pipe.send(question)
+        answer = self.pipe.recv()
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+    def close(self):
+        """Let the process end."""
+        self.pipe.send(None)
+        self.process.join()
+
+
+def compare(task, mesh, rounds, processes):
+    """Measure the contenders of one task, in turns; return a row for each, ours first."""
+    answers, figures = {}, {}
+    contenders = [c for c in CONTENDERS if c.task == task and c.library in processes]
+    for c in list(contenders):
+        try:
+            processes[c.library].ask("mesh", mesh)
+            answers[c.name] = processes[c.library].ask("prepare", c.task, c.name)
+        except Exception as error:
+            print(f"  {c.name} failed: {type(error).__name__}: {error}")
+            contenders.remove(c)
+    figures = {c.name: [] for c in contenders}
+    for _ in range(rounds):
+        for c in contenders:
+            figures[c.name].append(processes[c.library].ask("run", c.task, c.name))
+
+    repeats = STEPS if task == "steps" else 1
+    ours = contenders[0].name
+    fastest = measuring.median(seconds for seconds, _ in figures[ours])
+    rows = []
+    for c in contenders:
+        seconds, memory = (np.array(column) for column in zip(*figures[c.name], strict=True))
+        difference = np.nan if c.within is None else _difference(answers[c.name], answers[ours])
+        rows.append(
+            {
+                "task": task,
+                "contender": c.name,
+                "seconds": np.median(seconds) / repeats,
+                "fastest_round": seconds.min() / repeats,
+                "times_ours": np.median(seconds) / fastest,
+                "peak_bytes": np.median(memory),
+                "difference": difference,
+                "agrees": "not the same" if c.within is None else str(difference <= c.within),
+            }
+        )
+    return rows
+
+
+def _installed(library):
+    return importlib.util.find_spec(library) is not None
+
+
+def _difference(X, Y):
+    return float(np.abs(X - Y).max() / np.abs(Y).max())
+
+
+def bytes_to_move(mesh):
+    """The least that one averaging step must read and write: A, V, the mask of held ones, V+."""
+    with np.load(mesh) as arrays:
+        k = known(arrays["V"], arrays["F"])
+    n = len(k.V)
+    return k.A.data.nbytes + 4 * (k.A.nnz + n) + 2 * k.V.nbytes + n
+
+
+def write(path, rows):
+    """Write rows with the same names as CSV, figures with six digits."""
+    with open(path, "w", newline="") as file:
+        table = csv.DictWriter(file, rows[0], lineterminator="\n")
+        table.writeheader()
+        for row in rows:
+            table.writerow(
+                {key: f"{x:.6g}" if isinstance(x, float) else x for key, x in row.items()}
+            )
+
+
+def show(rows, n):
+    """Print the rows of one task."""
+    for row in rows:
+        print(
+            f"  {row['contender']:26s} {1e3 * row['seconds']:10.2f} ms"
+            f"  x {row['times_ours']:6.2f}  {row['peak_bytes'] / n:8.0f} bytes/vertex"
+            f"  {row['agrees']}"
+        )
+
+
+def judge(rows):
+    """Print how far each promise is kept."""
+    seconds = {(row["task"], row["contender"]): row["seconds"] for row in rows}
+    for task, ours, wanted, theirs in PROMISES:
+        if (task, theirs) in seconds:
+            found = seconds[task, theirs] / seconds[task, ours]
+            verdict = "kept" if found >= wanted else "NOT KEPT"
+            print(f"  {task}: {theirs} / {ours}: {found:.1f} times, wanted {wanted}: {verdict}")
+
+
+def main(arguments=None):
+    """Run the benchmark."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="small meshes, one round: a trial")
+    parser.add_argument("--rounds", type=int, help="rounds of each task (default: by task)")
+    parser.add_argument("--results", type=Path, default=RESULTS, help="folder of the CSV files")
+    parser.add_argument(
+        "--task", choices=ROUNDS, action="append", help="only this; can be repeated"
+    )
+    parser.add_argument("--no-scaling", action="store_true", help="without the table by size")
+    options = parser.parse_args(arguments)
+    options.results.mkdir(parents=True, exist_ok=True)
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        meshes = scaling.meshes(folder, quick=options.quick)
+        mesh, n, m = meshes[0 if options.quick else scaling.MAIN]
+        small, _, _ = meshes[0]
+        bandwidth = measuring.copy_bandwidth(2**18 if options.quick else 2**25)
+        print(f"{n:,} vertices, {m:,} faces; memory copied at {bandwidth / 1e9:.1f} GB/s")
+        libraries = dict.fromkeys(c.library for c in CONTENDERS)  # in their order
+        for library in (x for x in libraries if not _installed(x)):
+            print(f"{library} is not installed, and left out")
+        processes = {x: Process() for x in libraries if _installed(x)}
+        for task in options.task or ROUNDS:
+            print(task)
+            rounds = 1 if options.quick else options.rounds or ROUNDS[task]
+            of_task = compare(task, small if task == "flow" else mesh, rounds, processes)
+            show(of_task, n)
+            rows += of_task
+        for process in processes.values():
+            process.close()
+        shortest = bytes_to_move(mesh) / bandwidth
+        for row in rows:
+            row["times_copy"] = (
+                row["seconds"] / shortest if row["task"].startswith("step") else np.nan
+            )
+            if row["contender"] == "ours" and row["task"].startswith("step"):
+                print(f"{row['task']}: {row['times_copy']:.2f} times as long as copying its bytes")
+        judge(rows)
+        write(options.results / "bench.csv", [{"vertices": n, "faces": m, **row} for row in rows])
+        if not options.no_scaling:
+            table = scaling.table(meshes, rounds=1 if options.quick else options.rounds or 3)
+            write(options.results / "scaling.csv", table)
+    facts = [*measuring.machine(), ("copy GB/s", f"{bandwidth / 1e9:.1f}")]
+    write(options.results / "machine.csv", [{"what": key, "value": x} for key, x in facts])
+
+
+if __name__ == "__main__":
+    main()

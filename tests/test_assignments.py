@@ -1,0 +1,200 @@
+"""The five assignments: what students get, and what right and wrong answers earn."""
+
+import importlib.util
+import json
+import os
+import re
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+
+from meshfair.grading.feedback import Report
+from meshfair.grading.generate import ASSIGNMENTS, drifted, main
+from meshfair.grading.source import HIDDEN, SOLUTION, Source
+from meshfair.grading.students import NotebookStudent
+
+NAMES = ("a1", "a2", "a3", "a4", "a5")
+SOURCES = {name: Source.read(ASSIGNMENTS / "source" / f"{name}.py") for name in NAMES}
+LOADED = {name: source.load() for name, source in SOURCES.items()}
+WRONG = sorted((Path(__file__).parent / "wrong_solutions").glob("*.py"))
+SEED = 1234
+
+
+@pytest.fixture
+def mark(tmp_path, monkeypatch):
+    """Mark a source text in this process, as the notebook does, on the unseen meshes."""
+
+    def marked(name, text, task=None):
+        path = tmp_path / f"{name}.py"
+        path.write_text(text, encoding="utf-8")
+        spec = importlib.util.spec_from_file_location(name, path)
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        monkeypatch.setitem(sys.modules, name, module)
+        student = NotebookStudent(name, LOADED[name].rules)
+        return Report(name, LOADED[name].mark(student, SEED, task))
+
+    return marked
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_stub_scores_nothing_and_says_what_to_do(name, mark):
+    report = mark(name, SOURCES[name].stub())
+    assert report.earned == 0
+    assert {outcome.status for outcome in report.outcomes} == {"not done"}
+    assert "is not done yet" in report.text()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_solution_scores_everything(name, mark):
+    report = mark(name, SOURCES[name].solution())
+    assert report.earned == report.points == 20, report.text()
+
+
+@pytest.mark.parametrize("path", WRONG, ids=lambda path: path.stem)
+def test_a_typical_mistake_gets_its_points_and_its_hint(path, mark):
+    name, text = path.stem[:2], path.read_text(encoding="utf-8")
+    told = dict(re.findall(r"^# (task|points|hint): (.*)$", text, re.M))
+    # The last definition of a function counts, so that the rest of the file is right.
+    report = mark(name, SOURCES[name].solution() + text, told["task"])
+    assert report.earned == float(told["points"]), report.text()
+    assert report.earned < report.points
+    assert any(told["hint"] in outcome.hint for outcome in report.outcomes), report.text()
+
+
+def test_there_are_wrong_solutions_of_every_assignment():
+    assert len(WRONG) >= 12
+    assert {path.stem[:2] for path in WRONG} == set(NAMES)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_headings_name_the_points_that_the_checks_give(name):
+    text = SOURCES[name].path.read_text(encoding="utf-8")
+    told = re.findall(r"^# ## Task \d: `(\w+)` \((\d+) points\)$", text, re.M)
+    assert [(task, float(points)) for task, points in told] == list(LOADED[name].tasks.items())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_committed_student_version_is_what_the_source_makes(name):
+    assert drifted(SOURCES[name], ASSIGNMENTS / "student") == [], "run make assignments"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_students_get_neither_solutions_nor_hidden_tests(name):
+    files = "".join(SOURCES[name].student_files().values())
+    assert "BEGIN" not in files
+    assert "unseen_" not in files
+    assert "raise NotImplementedError" in files
+    source = SOURCES[name].path.read_text(encoding="utf-8")
+    for secret in [*SOLUTION.finditer(source), *HIDDEN.finditer(source)]:
+        # Not even a line that is long enough to be of one solution only.
+        for line in secret[0].splitlines()[1:-1]:
+            assert len(line.strip()) < 25 or line.strip() not in SOURCES[name].stub()
+
+
+def test_drift_is_found_and_repaired(tmp_path, capsys):
+    shutil.copytree(ASSIGNMENTS / "source", tmp_path / "source")
+    assert main(["--assignments", str(tmp_path)]) == 0
+    assert main(["--assignments", str(tmp_path), "--check"]) == 0
+    stub = tmp_path / "student" / "a2" / "a2.py"
+    stub.write_text(stub.read_text(encoding="utf-8") + "\n", encoding="utf-8")
+    (tmp_path / "student" / "a3" / "a3.ipynb").unlink()
+    assert main(["--assignments", str(tmp_path), "--check"]) == 1
+    told = capsys.readouterr().err
+    assert "a2/a2.py" in told
+    assert "a3/a3.ipynb" in told
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [("# %% markdwon\n", "no cell kind"), ("# %% module\n### BEGIN SOLUTION\n", "partner")],
+)
+def test_a_faulty_source_is_refused(text, message, tmp_path):
+    path = tmp_path / "a9.py"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(ValueError, match=message):
+        Source.read(path)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_students_notebook_runs(name, tmp_path):
+    """In a kernel, from a fresh folder: with the stub, and after the solution was saved."""
+    nbclient = pytest.importorskip("nbclient", reason="needs the notebooks extra")
+    nbformat = pytest.importorskip("nbformat", reason="needs the notebooks extra")
+    pytest.importorskip("ipykernel", reason="needs the notebooks extra")
+    for file, text in SOURCES[name].student_files().items():
+        (tmp_path / file).write_text(text, encoding="utf-8")
+    notebook = nbformat.read(tmp_path / f"{name}.ipynb", 4)
+    place = {"metadata": {"path": str(tmp_path)}}
+    client = nbclient.NotebookClient(notebook, timeout=120, resources=place)
+    with client.setup_kernel():
+        errors, text, _ = run_all(client)
+        assert errors == set()
+        assert "0 of 20 points" in text
+        assert "is not done yet" in text
+        # The notebook loads it anew by itself, as it does for students.
+        (tmp_path / f"{name}.py").write_text(SOURCES[name].solution(), encoding="utf-8")
+        errors, text, pictures = run_all(client)
+        assert errors == set()
+        assert "20 of 20 points" in text
+        assert pictures >= 1
+
+
+def run_all(client):
+    """Run all cells: errors shown (not those that were told in a line), texts, pictures."""
+    for place, cell in enumerate(client.nb.cells):
+        client.execute_cell(cell, place)
+    outputs = [output for cell in client.nb.cells for output in cell.get("outputs", [])]
+    shown = [output["data"] for output in outputs if "data" in output]
+    errors = {output["ename"] for output in outputs if output["output_type"] == "error"}
+    text = "\n".join(data.get("text/plain", "") for data in shown)
+    return errors, text, sum("image/png" in data for data in shown)
+
+
+@pytest.fixture
+def nbgrader_course(tmp_path, monkeypatch):
+    """A course of nbgrader with all five sources, and its interface."""
+    # It calls a program of its environment, which need not be the active one.
+    monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}:{os.environ['PATH']}")
+    pytest.importorskip("nbgrader", reason="nbgrader is not installed")
+    from nbgrader.apps import NbGraderAPI
+    from traitlets.config import Config
+
+    main(["--nbgrader", str(tmp_path)])
+    return NbGraderAPI(config=Config({"CourseDirectory": {"root": str(tmp_path)}})), tmp_path
+
+
+@pytest.mark.filterwarnings("ignore")  # nbgrader's own, about its database
+def test_nbgrader_accepts_the_sources(nbgrader_course):
+    interface, course = nbgrader_course
+    for name in NAMES:
+        told = interface.generate_assignment(name)
+        assert told["success"], told["log"]
+        released = json.loads((course / "release" / name / f"{name}.ipynb").read_text("utf-8"))
+        code = "".join("".join(cell["source"]) for cell in released["cells"])
+        assert "BEGIN SOLUTION" not in code
+        assert "BEGIN HIDDEN" not in code
+        assert "raise NotImplementedError" in code
+        cells = [cell["metadata"].get("nbgrader", {}) for cell in released["cells"]]
+        assert sum(cell.get("points", 0) for cell in cells) == 20
+    assert nbgrader_points(interface, course, "cotangent / 2", "cotangent") == 18
+
+
+def nbgrader_points(interface, course, right, wrong):
+    """What nbgrader gives for a2's solution with one text replaced by another."""
+    source, release = (
+        json.loads((course / folder / "a2" / "a2.ipynb").read_text("utf-8"))
+        for folder in ("source", "release")
+    )
+    for mine, theirs in zip(source["cells"], release["cells"], strict=True):
+        if mine["metadata"].get("nbgrader", {}).get("solution"):
+            theirs["source"] = "".join(mine["source"]).replace(right, wrong)
+    handed_in = course / "submitted" / "bela" / "a2" / "a2.ipynb"
+    handed_in.parent.mkdir(parents=True)
+    handed_in.write_text(json.dumps(release), "utf-8")
+    told = interface.autograde("a2", "bela")
+    assert told["success"], told["log"]
+    with interface.gradebook as gradebook:
+        return gradebook.find_submission("a2", "bela").score

@@ -1,0 +1,30 @@
+import csv
+import subprocess
+import sys
+from pathlib import Path
+
+BENCH = Path(__file__).parent / "benchmarks" / "bench.py"
+
+
+def rows(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_quick_benchmark_agrees_and_writes_its_tables(tmp_path):
+    done = subprocess.run(
+        [sys.executable, str(BENCH), "--quick", "--results", str(tmp_path)],
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    measured = rows(tmp_path / "bench.csv")
+    assert {row["task"] for row in measured} == {"weights", "step", "steps", "implicit", "flow"}
+    assert {"ours", "SciPy product", "libigl"} <= {row["contender"] for row in measured}
+    for row in measured:
+        assert row["agrees"] in ("True", "not the same"), row
+        assert float(row["seconds"]) > 0
+    assert [row["vertices"] for row in rows(tmp_path / "scaling.csv")] == ["600", "2400"]
+    assert {"processor", "cores", "numba"} <= {
+        row["what"] for row in rows(tmp_path / "machine.csv")
+    }

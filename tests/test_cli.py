@@ -1,0 +1,429 @@
+"""The command line: in this process where that is quick, as a process where it must be one."""
+
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from broken import bow_tie
+from meshfair import cli, io, mesh, noise, shapes
+from meshfair.cli import doctor, printing
+
+
+@pytest.fixture
+def knot(tmp_path):
+    path = tmp_path / "knot.ply"
+    io.write(path, *shapes.knot())
+    return path
+
+
+@pytest.fixture
+def run(capsys):
+    """Run ``meshfair`` with some words: its exit code, and what it printed."""
+
+    def run(*words):
+        code = cli.main([str(word) for word in words])
+        out, err = capsys.readouterr()
+        return code, out, err
+
+    return run
+
+
+def process(*words, **named):
+    """The same as a process of its own."""
+    command = [sys.executable, "-m", "meshfair", *map(str, words)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=60, **named)
+
+
+def one_line(err):
+    assert err.endswith("\n")
+    assert err.count("\n") == 1
+    assert "Traceback" not in err
+    return err
+
+
+# --- info ---------------------------------------------------------------------------------
+
+
+def test_info_prints_the_inspection(run, knot):
+    code, out, err = run("info", knot)
+    assert code == 0
+    assert err == ""
+    assert out == f"{knot}\n{mesh.inspect(*shapes.knot())}\n"
+
+
+def test_info_as_json(run, tmp_path):
+    path = tmp_path / "bow tie.obj"
+    io.write(path, *bow_tie())
+    code, out, _ = run("info", path, "--json")
+    assert code == 0  # a broken mesh is an answer, no error
+    facts = json.loads(out)
+    assert facts["file"] == str(path)
+    assert facts["counts"]["nonmanifold_vertices"] == 1
+    assert facts["findings"][0]["first"] == [2]
+    assert facts["ok"] is False
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("missing.ply", None, "missing.ply"),
+        ("empty.ply", b"", "empty.ply"),
+        ("rubbish.obj", bytes(range(256)) * 9, "rubbish.obj"),
+        ("mesh.txt", b"v 0 0 0\n", ".txt"),
+        ("cut.off", b"OFF\n3 1 0\n0 0 0\n1 0 0\n", "cut.off"),
+    ],
+)
+def test_what_is_no_mesh_is_told_in_one_line(run, tmp_path, name, content, message):
+    if content is not None:
+        (tmp_path / name).write_bytes(content)
+    code, out, err = run("info", tmp_path / name)
+    assert code == 1
+    assert out == ""
+    assert one_line(err).startswith("meshfair info: ")
+    assert message in err
+
+
+def test_a_folder_is_no_mesh(run, tmp_path):
+    code, _, err = run("info", tmp_path)
+    assert code == 1
+    one_line(err)
+
+
+def test_what_should_be_known_is_a_warning_on_standard_error(run, tmp_path):
+    path = tmp_path / "box.stl"
+    io.write(path, *shapes.box(segments=2))
+    code, out, err = run("info", path)
+    assert code == 0
+    assert one_line(err).startswith("meshfair info: warning: ")
+    assert "duplicate" not in out
+    assert "in the place of another" in out
+    code, out, err = run("info", path, "--weld-stl")
+    assert (code, err) == (0, "")
+    assert "no problems found" in out
+
+
+# --- clean --------------------------------------------------------------------------------
+
+
+def test_clean_does_what_is_asked_and_tells(run, tmp_path):
+    source, out = tmp_path / "in.off", tmp_path / "out.off"
+    io.write(source, *bow_tie())
+    code, text, _ = run("clean", source, out, "--split", "--unreferenced")
+    assert code == 0
+    assert "1 copies" in text
+    assert "dropped 0 vertices" in text
+    expected = mesh.clean(*bow_tie(), split=True)
+    V, F = io.read(out)
+    assert np.array_equal(V, expected.V)
+    assert np.array_equal(F, expected.F)
+
+
+def test_clean_does_nothing_unasked(run, knot, tmp_path):
+    code, text, _ = run("clean", knot, tmp_path / "same.ply")
+    assert code == 0
+    assert "nothing was asked for" in text
+    assert (tmp_path / "same.ply").read_bytes() == knot.read_bytes()
+
+
+def test_clean_as_json(run, knot, tmp_path):
+    code, text, _ = run(
+        "clean", knot, tmp_path / "o.obj", "--weld", 0, "--orient", "outward", "--json"
+    )
+    assert code == 0
+    facts = json.loads(text)
+    assert [step["name"] for step in facts["steps"]] == ["weld", "orient"]
+    assert (facts["vertices"], facts["faces"]) == (1440, 2880)
+
+
+# --- noise --------------------------------------------------------------------------------
+
+
+def test_noise_is_that_of_the_package(run, knot, tmp_path):
+    V, F = shapes.knot()
+    models = {
+        "along-normals": lambda rng: noise.along_normals(V, F, 0.3, rng),
+        "gaussian": lambda rng: noise.gaussian(V, F, 0.3, rng),
+        "uniform": lambda rng: noise.uniform(V, 8, rng),
+        "impulsive": lambda rng: noise.impulsive(V, F, 0.3, 0.5, rng),
+    }
+    for name, model in models.items():
+        out = tmp_path / f"{name}.ply"
+        words = ["--sigma", 0.3, "--amplitude", 8, "--fraction", 0.5, "--seed", 5, "--json"]
+        code, text, _ = run("noise", knot, out, "--model", name, *words)
+        assert code == 0
+        X, T = io.read(out)
+        expected = model(np.random.default_rng(5))
+        assert np.array_equal(X, expected)
+        assert np.array_equal(T, F)
+        assert json.loads(text)["snr"] == noise.snr(V, X)
+
+
+def test_noise_at_an_snr(run, knot, tmp_path):
+    code, _, _ = run("noise", knot, tmp_path / "o.ply", "--snr", 22.85)
+    assert code == 0
+    V, _ = io.read(tmp_path / "o.ply")
+    assert noise.snr(shapes.knot()[0], V) == pytest.approx(22.85, abs=1e-9)
+
+
+def test_no_noise_has_no_snr_that_json_could_hold(run, knot, tmp_path):
+    code, text, _ = run("noise", knot, tmp_path / "o.ply", "--sigma", 0, "--json")
+    assert code == 0
+    assert json.loads(text)["snr"] is None
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--model", "uniform"], "--amplitude"),
+        (["--sigma", "-1"], "sigma"),
+        (["--sigma", "nan"], "sigma"),
+        (["--seed", "-3"], "--seed"),
+        (["--model", "impulsive", "--fraction", "2"], "fraction"),
+    ],
+)
+def test_wrong_noise_is_refused_and_nothing_is_written(run, knot, tmp_path, words, message):
+    out = tmp_path / "o.ply"
+    code, _, err = run("noise", knot, out, *words)
+    assert code == 1
+    assert message in one_line(err)
+    assert not out.exists()
+
+
+# --- outputs ------------------------------------------------------------------------------
+
+
+def test_an_output_is_not_written_over_without_force(run, knot, tmp_path):
+    out = tmp_path / "there.ply"
+    out.write_text("precious")
+    code, _, err = run("noise", knot, out)
+    assert code == 1
+    assert "--force" in one_line(err)
+    assert out.read_text() == "precious"
+    code, _, _ = run("noise", knot, out, "--force")
+    assert code == 0
+    assert len(io.read(out)[0]) == 1440
+
+
+@pytest.mark.parametrize("how", ["same", "dotted", "symlink", "hard link"])
+def test_an_input_is_never_written_over(run, knot, tmp_path, how):
+    out = tmp_path / "other.ply"
+    if how == "same":
+        out = knot
+    elif how == "dotted":
+        (tmp_path / "d").mkdir()
+        out = tmp_path / "d" / ".." / knot.name
+    elif how == "symlink":
+        out.symlink_to(knot)
+    else:
+        os.link(knot, out)
+    before = knot.read_bytes()
+    code, _, err = run("noise", knot, out, "--force")
+    assert code == 1
+    assert "input" in one_line(err)
+    assert knot.read_bytes() == before
+
+
+def test_outputs_that_cannot_be_written_are_found_before_the_work(run, tmp_path):
+    # The input is missing, but the output is looked at first.
+    for out, message in [
+        (tmp_path / "o.txt", ".ply"),
+        (tmp_path / "nowhere" / "o.ply", "is not there"),
+        (tmp_path, ".ply"),
+    ]:
+        code, _, err = run("noise", tmp_path / "missing.ply", out)
+        assert code == 1
+        assert message in one_line(err)
+    (tmp_path / "folder.ply").mkdir()
+    code, _, err = run("noise", tmp_path / "missing.ply", tmp_path / "folder.ply", "--force")
+    assert code == 1
+    assert "is a folder" in one_line(err)
+
+
+def test_an_output_that_appears_during_the_work_is_kept(run, knot, tmp_path, monkeypatch):
+    out = tmp_path / "o.ply"
+
+    def slow(V, F, sigma, rng):
+        out.write_text("someone else's")
+        return V
+
+    monkeypatch.setattr(noise, "along_normals", slow)
+    code, _, err = run("noise", knot, out)
+    assert code == 1
+    assert "--force" in one_line(err)
+    assert out.read_text() == "someone else's"
+
+
+# --- doctor -------------------------------------------------------------------------------
+
+
+def test_doctor_looks_at_everything(run, monkeypatch, tmp_path):
+    monkeypatch.setenv("MESHFAIR_DATA", str(tmp_path))
+    code, out, _ = run("doctor", "--json")
+    facts = json.loads(out)
+    checks = {check["name"]: check for check in facts["checks"]}
+    assert {"python", "meshfair", "numpy", "libigl", "cores", "numba cache", "EGL"} <= set(checks)
+    assert checks["numpy"]["found"] == np.__version__
+    assert checks["numpy"]["state"] == "ok"
+    assert checks["real meshes"]["state"] == "note"
+    assert str(tmp_path) in checks["real meshes"]["found"]
+    assert facts["ok"] == (code == 0) == all(c["state"] != "problem" for c in facts["checks"])
+    for check in checks.values():
+        assert check["state"] == "ok" or check["advice"]
+
+
+def test_doctor_finds_what_is_missing(run, monkeypatch):
+    import importlib.metadata
+
+    real = importlib.metadata.version
+
+    def version(package):
+        if package == "pooch":
+            raise importlib.metadata.PackageNotFoundError(package)
+        return {"scipy": "1.9.0"}.get(package) or real(package)
+
+    monkeypatch.setattr(importlib.metadata, "version", version)
+    code, out, _ = run("doctor", "--json")
+    assert code == 1
+    checks = {check["name"]: check for check in json.loads(out)["checks"]}
+    assert checks["pooch"]["state"] == "problem"
+    assert "pip install pooch" in checks["pooch"]["advice"]
+    assert checks["scipy"]["state"] == "problem"
+    assert "older than 1.14" in checks["scipy"]["found"]
+
+
+@pytest.mark.parametrize(
+    ("found", "least", "state"),
+    [
+        ("1.14", "1.14", "ok"),
+        ("1.9.3", "1.14", "problem"),
+        ("2.0", "1.14", "ok"),
+        ("1.14.0rc1", "1.14", "ok"),
+        ("0.18.0", None, "ok"),
+    ],
+)
+def test_versions_are_compared_as_numbers(found, least, state):
+    assert doctor._versions("x", found, least, None).state == state
+
+
+def test_a_check_that_fails_is_itself_a_finding():
+    def look(name):
+        raise ImportError("libX11.so.6: cannot open shared object file")
+
+    check = doctor._attempt("EGL", look)
+    assert check.state == "problem"
+    assert "libX11" in check.found
+
+
+# --- the frame ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("command", cli.COMMANDS)
+def test_help_of_each_command(command, capsys):
+    with pytest.raises(SystemExit) as stop:
+        cli.main([command, "--help"])
+    assert stop.value.code == 0
+    assert f"usage: meshfair {command}" in capsys.readouterr().out
+
+
+def test_wrong_usage_is_2(capsys):
+    for words in ([], ["mend"], ["info"], ["info", "a", "b"], ["noise", "a"]):
+        with pytest.raises(SystemExit) as stop:
+            cli.main(words)
+        assert stop.value.code == 2
+    capsys.readouterr()
+
+
+def test_help_is_quick_because_it_loads_little():
+    code = (
+        "import sys; from meshfair.cli import main\n"
+        "try: main(['--help'])\n"
+        "except SystemExit: pass\n"
+        "print(*{m.split('.')[0] for m in sys.modules}, file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    loaded = set(done.stderr.split())
+    assert "meshfair" in loaded
+    assert loaded.isdisjoint({"scipy", "numba", "igl", "pandas", "matplotlib", "polyscope"})
+
+
+def test_a_fault_of_the_package_is_told_as_such(run, knot, monkeypatch):
+    def broken(V, F):
+        raise TypeError("unexpected\nthings")
+
+    monkeypatch.setattr(mesh, "inspect", broken)
+    code, _, err = run("info", knot)
+    assert code == 70
+    assert "TypeError: unexpected things" in one_line(err)
+    assert "MESHFAIR_TRACEBACK" in err
+    monkeypatch.setenv("MESHFAIR_TRACEBACK", "1")
+    with pytest.raises(TypeError):
+        cli.main(["info", str(knot)])
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "message"),
+    [
+        (MemoryError(), 1, "not enough memory"),
+        (KeyboardInterrupt(), 130, "interrupted"),
+        (FloatingPointError("the residual stays at 3"), 1, "residual"),
+        (OSError(28, "No space left on device"), 1, "No space left"),
+    ],
+)
+def test_errors_are_one_line(run, knot, monkeypatch, error, code, message):
+    def fail(V, F):
+        raise error
+
+    monkeypatch.setattr(mesh, "inspect", fail)
+    found, out, err = run("info", knot)
+    assert found == code
+    assert out == ""
+    assert message in one_line(err)
+
+
+def test_as_a_process_with_an_odd_name_in_a_plain_locale(tmp_path):
+    path = tmp_path / "Häse x.off"
+    io.write(path, *shapes.icosphere(0))
+    plain = {**os.environ, "PYTHONIOENCODING": "ascii", "LC_ALL": "C"}
+    done = process("info", tmp_path / "Höse.off", env=plain)
+    assert done.returncode == 1
+    one_line(done.stderr)
+    done = process("info", path, env=plain)
+    assert done.returncode == 0, done.stderr
+    assert "no problems found" in done.stdout
+
+
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+@pytest.mark.parametrize("words", [["info", "s.off"], ["info", "s.off", "--json"], ["--help"]])
+def test_a_reader_that_goes_away_is_no_error(tmp_path, unbuffered, words):
+    io.write(tmp_path / "s.off", *shapes.icosphere(0))
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = subprocess.run(
+        [sys.executable, "-m", "meshfair", *words],
+        stdout=writer,
+        stderr=subprocess.PIPE,
+        text=True,
+        timeout=60,
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONUNBUFFERED": unbuffered},
+    )
+    os.close(writer)
+    assert done.stderr == ""
+    # argparse looks over it where it can.
+    assert done.returncode in ((0, 141) if words == ["--help"] else (141,))
+
+
+def test_json_has_no_numbers_that_json_has_not(capsys):
+    printing.print_json(
+        {"a": np.float64("nan"), "b": [np.inf, 1], "c": np.arange(2), "d": np.True_}
+    )
+    assert json.loads(capsys.readouterr().out) == {
+        "a": None,
+        "b": [None, 1],
+        "c": [0, 1],
+        "d": True,
+    }

@@ -1,0 +1,239 @@
+"""Explorers: what they show is what the package computes, and only the newest counts."""
+
+import sys
+import threading
+
+import numpy as np
+import pytest
+
+from drive import drive
+from meshfair import explorers, flow, metrics, noise, operators, shapes, viewer, weights
+from meshfair.experiments.cases import add_noise, operator
+from meshfair.explorers.latest import Job, Latest
+
+V, F = shapes.knot(40, 6)
+
+
+@pytest.fixture(autouse=True)
+def quick_pictures(monkeypatch):
+    """No page listens, so nothing is drawn; k3d would build its widgets, too."""
+    monkeypatch.setattr(viewer.view, "has_egl", lambda: True)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: explorers.NoiseExplorer(V, F),
+        lambda: explorers.AveragingExplorer(V, F, steps=5),
+        lambda: explorers.HeatExplorer(V, F, steps=5),
+        lambda: explorers.ComparisonExplorer(V, F, steps=5),
+        lambda: explorers.StabilityExplorer(V, F, steps=5),
+        lambda: explorers.JetExplorer(detail=0.5, steps=3),
+        lambda: explorers.DenoisingExplorer(V, F, steps=5),
+    ],
+)
+def test_every_control_works_at_both_ends(make):
+    explorer = make()
+    assert drive(explorer) == []
+
+
+def test_the_noise_explorer_shows_the_snr():
+    explorer = explorers.NoiseExplorer(V, F, size=0.3)
+    explorer.wait()
+    noisy = noise.along_normals(V, F, 0.3, np.random.default_rng(1))
+    assert explorer.snr == noise.snr(V, noisy)
+    assert explorer.view.titles[1] == f"noisy: {explorer.snr:.2f} dB"
+    (curve,) = explorer.charts[0].series
+    assert np.interp(0.3, curve["x"], curve["y"]) == pytest.approx(explorer.snr, abs=0.05)
+    explorer.controls["shift"].value = 2.0
+    explorer.wait()
+    np.testing.assert_array_equal(explorer.view.panels[1].V, noisy)  # the picture stays
+
+
+def test_the_heat_explorer_shows_the_flow():
+    explorer = explorers.HeatExplorer(V, F, size=0.3, tau=0.5, steps=6)
+    explorer.controls["weights"].value = "cotangent"
+    explorer.controls["step"].value = 4
+    explorer.wait()
+    V_noisy = add_noise(V, F, "normals", 1, size=0.3)
+    expected = list(flow.heat(V_noisy, operator(V_noisy, F, "cotangent"), 0.5, 3))
+    np.testing.assert_array_equal(explorer.view.panels[1].V, V_noisy)
+    np.testing.assert_array_equal(explorer.view.panels[2].V, expected[4][1])
+    decibels = [noise.snr(V, X) for _, X in expected]
+    assert explorer.view.titles[2] == f"cotangent, t = 2.00, SNR {decibels[4]:.2f} dB"
+    (curve,) = explorer.charts[0].series
+    np.testing.assert_allclose(curve["y"], decibels)
+    np.testing.assert_allclose(curve["x"], [t for t, _ in expected])
+    assert explorer.charts[0].marker == 2.0
+
+
+def test_a_click_into_the_chart_goes_to_that_step():
+    explorer = explorers.HeatExplorer(V, F, tau=0.2, steps=10)
+    explorer.wait()
+    explorer.charts[0].picked = 0.83
+    assert explorer.controls["step"].value == 4
+    explorer.charts[0].picked = 99.0
+    assert explorer.controls["step"].value == 10
+
+
+def test_the_step_slider_computes_nothing_anew(monkeypatch):
+    explorer = explorers.HeatExplorer(V, F, steps=5)
+    explorer.wait()
+    monkeypatch.setattr(explorer, "_work", None)
+    run = explorer._run
+    for step in range(6):
+        explorer.controls["step"].value = step
+    explorer.wait()
+    assert explorer._run is run
+    assert "t = 1.00" in explorer.view.titles[2]
+
+
+def test_twenty_fast_moves_end_at_the_last():
+    explorer = explorers.HeatExplorer(V, F, steps=5)
+    explorer.controls["step"].value = 5
+    for tau in np.linspace(0.05, 1, 20):
+        explorer.controls["tau"].value = tau
+    explorer.wait()
+    assert "t = 5.00" in explorer.view.titles[2]
+
+
+def test_the_averaging_explorer_counts_iterations():
+    explorer = explorers.AveragingExplorer(V, F, size=0.2, steps=5)
+    explorer.controls["step"].value = 3
+    explorer.wait()
+    V_noisy = add_noise(V, F, "normals", 1, size=0.2)
+    A = operators.averaging(weights.combinatorial(F, len(V)))
+    np.testing.assert_allclose(explorer.view.panels[2].V, flow.average(V_noisy, A, 3))
+    assert explorer.view.titles[2].startswith("combinatorial, s = 3, SNR")
+
+
+def test_the_comparison_has_one_noise_for_all_weights():
+    explorer = explorers.ComparisonExplorer(V, F, steps=3)
+    explorer.wait()
+    first, *others = (panel.V for panel in explorer.view.panels)
+    for other in others:
+        np.testing.assert_array_equal(other, first)
+    assert [curve["name"] for curve in explorer.charts[0].series] == [
+        "combinatorial",
+        "distance",
+        "cotangent",
+    ]
+
+
+def test_the_stability_explorer_tells_how_many_waves_grow():
+    explorer = explorers.StabilityExplorer(V, F, steps=30)
+    explorer.controls["weights"].value = "combinatorial"
+    explorer.controls["tau"].value = 1.0
+    explorer.wait()
+    assert explorer._note.value.startswith("0 of 240 waves grow")
+    (factors,) = explorer.charts[1].series
+    assert max(factors["y"]) <= 1 + 1e-12
+    explorer.controls["tau"].value = 2.0
+    explorer.controls["step"].value = 30
+    explorer.wait()
+    assert not explorer._note.value.startswith("0 of")
+    moved = np.linalg.norm(explorer.view.panels[0].V - V, axis=1).max()
+    assert moved > 100 * np.ptp(V, axis=0).max()
+
+
+def test_the_jet_loses_its_missiles_and_the_camera_follows():
+    explorer = explorers.JetExplorer(detail=0.5, steps=2)
+    explorer.wait()
+    whole = explorer.view.camera
+    explorer.controls["look"].value = explorer.closer
+    explorer.wait()
+    assert explorer.view.camera != whole
+    explorer.controls["missiles"].value = False
+    explorer.wait()
+    assert len(explorer.view.panels[0].V) == len(shapes.jet(missiles=False, detail=0.5)[0])
+    assert explorer.view.camera != whole
+
+
+def test_the_denoising_explorer_hands_out_what_it_shows():
+    explorer = explorers.DenoisingExplorer(V, F, steps=5)
+    explorer.controls["step"].value = 3
+    V_shown, F_shown = explorer.mesh()
+    np.testing.assert_array_equal(V_shown, explorer.view.panels[1].V)
+    np.testing.assert_array_equal(F_shown, F)
+    change = metrics.volume_change(V_shown, V, F)
+    assert explorer.view.titles[1] == f"cotangent, t = 0.60, volume {100 * (1 + change):.2f} %"
+
+
+def test_a_failure_is_shown_in_one_line(monkeypatch):
+    explorer = explorers.HeatExplorer(V, F, steps=3)
+    explorer.wait()
+
+    def broken(settings):
+        raise ValueError("no <such> mesh")
+
+    monkeypatch.setattr(explorer, "_start", broken)
+    explorer.controls["size"].value = 0.7
+    explorer.wait()
+    assert isinstance(explorer.error, ValueError)
+    assert explorer._note.value == "ValueError: no &lt;such&gt; mesh"
+    monkeypatch.undo()
+    explorer.controls["size"].value = 0.6
+    explorer.wait()
+    assert explorer.error is None
+
+
+def test_cancel_keeps_what_there_is(monkeypatch):
+    explorer = explorers.HeatExplorer(V, F, steps=40)
+    explorer.wait()
+    measured, seen = explorer._measured, []
+
+    def cancel_after_ten(X, start):
+        seen.append(X)
+        if len(seen) == 10:
+            explorer._cancel.click()
+        return measured(X, start)
+
+    monkeypatch.setattr(explorer, "_measured", cancel_after_ten)
+    explorer.controls["tau"].value = 0.5
+    explorer.wait()
+    assert explorer._run.steps == 9
+    explorer.controls["step"].value = 40
+    assert "t = 4.50" in explorer.view.titles[2]
+
+
+# The work in the background
+
+
+def test_only_the_newest_request_is_worked_on():
+    began, go_on, done = threading.Event(), threading.Event(), []
+
+    def work(job, number):
+        began.set()
+        go_on.wait(10)
+        job.check()
+        done.append(number)
+
+    latest = Latest(work, report=lambda part: None, failed=done.append)
+    latest.ask(0)
+    began.wait(10)
+    for number in range(1, 20):
+        latest.ask(number)
+    go_on.set()
+    latest.wait()
+    assert done == [19]
+
+
+def test_progress_is_told_only_of_long_work(monkeypatch):
+    told = []
+    Latest(lambda job: job.progress(0.5), told.append, told.append).ask()
+    quick = Latest(lambda job: job.progress(0.5), told.append, told.append)
+    quick.ask()
+    quick.wait()
+    assert 0.5 not in told
+    monkeypatch.setattr(Job, "PATIENCE", 0.0)
+    slow = Latest(lambda job: job.progress(0.5), told.append, told.append)
+    slow.ask()
+    slow.wait()
+    assert told[-2:] == [0.5, 1.0]
+
+
+def test_a_missing_library_is_named_in_one_line(monkeypatch):
+    monkeypatch.setitem(sys.modules, "ipywidgets", None)
+    monkeypatch.delitem(sys.modules, "meshfair.explorers.explorer")
+    with pytest.raises(ImportError, match=r"an explorer needs ipywidgets.*run: pip install"):
+        __import__("meshfair.explorers.explorer")

@@ -1,0 +1,632 @@
+"""Marking a class: hostile submissions, the walls around them, going on, feedback."""
+
+import csv
+import dataclasses
+import io
+import json
+import os
+import socket
+import struct
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.sparse import coo_array, csr_array
+
+from hand_ins import HOSTILE, RIGHT, SOURCE, build
+from meshfair.cli import grade as command
+from meshfair.grading import expect, marking, wire
+from meshfair.grading.answers import Answer, Failure, Other, Seeded, ask, plain
+from meshfair.grading.assignment import Assignment, Graded, Outcome
+from meshfair.grading.feedback import Report
+from meshfair.grading.isolation import Isolation, Limits
+from meshfair.grading.marking import find, grade
+from meshfair.grading.meshes import unseen
+from meshfair.grading.rules import Rules, violations
+from meshfair.grading.students import Submission
+from meshfair.mesh import is_closed, volume
+
+SEED = 99
+
+
+@pytest.fixture(scope="module")
+def walls():
+    """What holds on this system, with limits that do not let a test wait for long."""
+    if os.name != "posix":
+        pytest.skip("grading needs Linux or macOS")
+    return Isolation.detect(Limits(call=4.0, total=20.0))
+
+
+def run(walls, code, function="f", arguments=(), rules=None):
+    """What one function of a submission answers."""
+    with Submission(code.encode(), "a9", rules or Rules(), walls) as student:
+        return student._ask(function, arguments)
+
+
+# --- A class ---------------------------------------------------------------------------
+
+
+def test_a_class_with_hostile_students_gets_its_marks(walls, tmp_path, monkeypatch):
+    expected = build(tmp_path / "submissions", len(HOSTILE) + 3)
+    out = tmp_path / "grades.csv"
+    grade(tmp_path / "submissions", SOURCE, out, walls, seed=SEED)
+
+    table = out.read_text()
+    rows = {row["student"]: row for row in csv.DictReader(io.StringIO(table))}
+    points = {name: points for name, (points, _) in expected.items()}
+    assert {name: float(row["points"]) for name, row in rows.items()} == points
+    assert {row["of"] for row in rows.values()} == {"20"}
+    assert rows["good_000"]["cotangent_weights"] == "7"
+    assert rows["good_000"]["status"] == "graded"
+    assert rows["syntax_error"]["status"] == "syntax error"
+
+    feedback = tmp_path / "grades_feedback"
+    for name, (_, phrase) in expected.items():
+        assert phrase in (feedback / f"{name}.md").read_text(encoding="utf-8"), name
+        assert "<!doctype html>" in (feedback / f"{name}.html").read_text(encoding="utf-8")
+
+    # A second run marks nobody again, and the table stays as it is.
+    monkeypatch.setattr(marking, "mark", lambda *_: pytest.fail("marked again"))
+    grade(tmp_path / "submissions", SOURCE, out, walls, seed=SEED)
+    assert out.read_text() == table
+
+
+def fake_mark(handed_in, assignment, isolation, seed):
+    """A mark without running anything: the length of the file decides."""
+    earned = float(len(handed_in.path.read_bytes()) % 7)
+    return marking.Mark(
+        handed_in.student, [Outcome("edges", "t", 7, earned, "partly")], "graded", []
+    )
+
+
+def test_an_interrupted_run_goes_on_where_it_stopped(tmp_path, walls, monkeypatch):
+    done = []
+
+    def counted(handed_in, *rest):
+        done.append(handed_in.student)
+        return fake_mark(handed_in, *rest)
+
+    monkeypatch.setattr(marking, "mark", counted)
+    monkeypatch.setattr(marking, "rehearse", lambda *_: None)
+    submissions = tmp_path / "in"
+    for number in range(8):
+        (submissions / f"s{number}").mkdir(parents=True)
+        (submissions / f"s{number}" / "a2.py").write_text("#" * number)
+
+    def interrupted(marks, total):
+        for place, one in enumerate(marks):
+            if place == 3:
+                raise KeyboardInterrupt
+            yield one
+
+    with pytest.raises(KeyboardInterrupt):
+        grade(submissions, SOURCE, tmp_path / "a.csv", walls, progress=interrupted, jobs=1)
+    first = len((tmp_path / "a.csv").read_text().splitlines()) - 1
+    assert first == 3
+    done.clear()
+    (submissions / "s0" / "a2.py").write_text("changed")
+    grade(submissions, SOURCE, tmp_path / "a.csv", walls, jobs=1)
+    assert "s0" in done
+    assert len(done) == 8 - first + 1
+    grade(submissions, SOURCE, tmp_path / "b.csv", walls, jobs=2)
+    assert (tmp_path / "a.csv").read_text() == (tmp_path / "b.csv").read_text()
+    done.clear()
+    grade(submissions, SOURCE, tmp_path / "b.csv", walls, seed=5)
+    assert len(done) == 8
+
+
+def test_a_broken_record_is_marked_again(tmp_path):
+    book = marking.Gradebook(tmp_path / "g.csv", SOURCE.load())
+    mark = marking.Mark("anna", [Outcome("edges", "t", 3, 1.5, "partly")], "graded", ["late"])
+    book.add(mark, "key")
+    assert book.known("anna", "key") == mark
+    assert book.known("anna", "other") is None
+    (tmp_path / "g_feedback" / marking.RECORDS / "anna.json").write_text('{"key": "key"')
+    assert book.known("anna", "key") is None
+
+
+def test_nobody_is_marked_by_checks_that_the_solution_fails(walls, tmp_path):
+    text = SOURCE.path.read_text(encoding="utf-8").replace(
+        "cotangent / 2, (i, j)", "cotangent, (i, j)"
+    )
+    (tmp_path / "a2.py").write_text(text, encoding="utf-8")
+    (tmp_path / "in" / "anna").mkdir(parents=True)
+    (tmp_path / "in" / "anna" / "a2.py").write_text(RIGHT)
+    with pytest.raises(ValueError, match="the solution itself gets only 18 of 20"):
+        grade(tmp_path / "in", type(SOURCE).read(tmp_path / "a2.py"), tmp_path / "g.csv", walls)
+    assert not (tmp_path / "g_feedback" / "anna.md").exists()
+
+
+def test_the_command_marks_the_open_assignment_and_ranks(tmp_path, capsys):
+    from meshfair.cli import main
+
+    submissions = tmp_path / "in"
+    submissions.mkdir()
+    averaged = "from meshfair import operators, weights\n\n\ndef denoise(V, F):\n" + (
+        "    return 0.8 * V + 0.2 * operators.averaging(weights.combinatorial(F, len(V))) @ V\n"
+    )
+    (submissions / "bela.py").write_text(averaged)
+    (submissions / "carl.py").write_text("def denoise(V, F):\n    return -V\n")
+    out = tmp_path / "grades.csv"
+    assert main(["grade", str(submissions), "--assignment", "a5", "--out", str(out)]) == 0
+    rows = {row["student"]: row for row in csv.DictReader(io.StringIO(out.read_text()))}
+    assert 4 < float(rows["bela"]["denoise"]) < 10
+    assert float(rows["carl"]["denoise"]) == 0
+    assert float(rows["bela"]["leaderboard"]) > 0.2
+    board = (tmp_path / "grades_feedback" / "leaderboard.md").read_text()
+    assert board.index("bela") < board.index("carl")
+    told = capsys.readouterr()
+    assert "2 submissions" in told.out
+    assert "network" in told.err
+    assert main(["grade", str(tmp_path / "no"), "--assignment", "a5", "--out", str(out)]) == 1
+    assert "no folder" in capsys.readouterr().err
+    assert command.__doc__
+
+
+# --- What is handed in -----------------------------------------------------------------
+
+
+def test_submissions_are_found_in_every_layout(tmp_path):
+    (tmp_path / "anna").mkdir()
+    (tmp_path / "anna" / "a2.py").write_text("")
+    (tmp_path / "bela" / "a2").mkdir(parents=True)
+    (tmp_path / "bela" / "a2" / "a2.py").write_text("")
+    (tmp_path / "carl.py").write_text("")
+    (tmp_path / "dora").mkdir()
+    (tmp_path / "dora" / "a2 (1).py").write_text("")
+    (tmp_path / "emil").mkdir()
+    (tmp_path / ".DS_Store").write_text("")
+    found = {one.student: one for one in find(tmp_path, "a2")}
+    assert list(found) == ["anna", "bela", "carl", "dora", "emil"]
+    assert found["bela"].path.parent.name == "a2"
+    assert "call it a2.py" in found["dora"].remark
+    assert found["emil"].path is None
+    (tmp_path / "anna.py").write_text("")
+    with pytest.raises(ValueError, match="a folder and a file of anna"):
+        find(tmp_path, "a2")
+
+
+@pytest.mark.parametrize("kind", ["nothing", "link", "large"])
+def test_what_cannot_be_read_is_named(kind, tmp_path, walls):
+    path = tmp_path / "a2.py"
+    if kind == "link":
+        path.symlink_to("/etc/passwd")
+    elif kind == "large":
+        path.write_bytes(b"#" * 2_000_000)
+    handed_in = marking.HandedIn("anna", None if kind == "nothing" else path)
+    mark = marking.mark(handed_in, SOURCE.load(), walls, SEED)
+    told = {"nothing": "nothing handed in", "link": "regular file", "large": "more than 1 MB"}
+    assert told[kind] in mark.status
+    assert sum(outcome.earned for outcome in mark.outcomes) == 0
+
+
+# --- The walls -------------------------------------------------------------------------
+
+
+def test_the_child_sees_no_secret(walls, monkeypatch):
+    monkeypatch.setenv("TOKEN_OF_THE_TEACHER", "secret")
+    code = """
+import numpy as np
+os = __import__("os")
+
+def f(path):
+    if path == 0:
+        return len([name for name in os.environ if "TOKEN" in name])
+    if path == 1:
+        return len(os.listdir(os.environ["HOME"]))
+    try:
+        open("SOURCE").read()
+    except PermissionError:
+        return -1
+    return 1
+""".replace("SOURCE", str(SOURCE.path))
+    assert run(walls, code, arguments=[0]).value == 0
+    assert run(walls, code, arguments=[1]).value <= 2  # the file itself, and numba's folder
+    if not walls.confined:
+        pytest.skip("no Landlock on this system: files cannot be hidden")
+    assert run(walls, code, arguments=[2]).value == -1
+
+
+def test_the_child_writes_nowhere_but_in_its_folder(walls, tmp_path):
+    if not walls.confined:
+        pytest.skip("no Landlock on this system: files cannot be protected")
+    tmp_path.chmod(0o777)
+    code = f"""
+def f():
+    open("here", "w").write("x")
+    open("{tmp_path}/there", "w").write("x")
+"""
+    assert "PermissionError" in run(walls, code).failure.message
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_child_has_no_network(walls):
+    if not walls.namespaces:
+        pytest.skip("no namespaces on this system: the network cannot be cut off")
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        code = f"""
+socket = __import__("socket")
+
+def f():
+    socket.create_connection(("127.0.0.1", {server.getsockname()[1]}), 2).close()
+"""
+        assert "raised" in run(walls, code).failure.kind
+
+
+def test_no_process_survives(walls):
+    if not walls.namespaces:
+        pytest.skip("no namespaces on this system: a process that leaves its group survives")
+    code = """
+os, time = __import__("os"), __import__("time")
+
+def f():
+    for _ in range(3):
+        if os.fork() == 0:
+            os.setsid()
+            time.sleep(3141)
+    return 0
+"""
+    # A limit that no other test has marks the command line.
+    marked = dataclasses.replace(walls, limits=dataclasses.replace(walls.limits, files=61))
+    with Submission(code.encode(), "a9", Rules(), marked) as student:
+        assert student.f() == 0
+        assert len(command_lines(b'"files": 61')) >= 4
+    deadline = time.monotonic() + 5
+    while command_lines(b'"files": 61') and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert command_lines(b'"files": 61') == []
+
+
+def command_lines(part):
+    """The command lines of all processes with some words in them."""
+    lines = []
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            lines.append(path.read_bytes())
+        except OSError:  # it has just ended
+            continue
+    return [line for line in lines if part in line]
+
+
+def test_the_number_of_processes_is_limited(walls):
+    code = """
+os, time = __import__("os"), __import__("time")
+
+def f():
+    made = 0
+    try:
+        while made < 200:
+            if os.fork() == 0:
+                time.sleep(60)
+            made += 1
+    except OSError:
+        pass
+    return made
+"""
+    assert run(walls, code).value <= walls.limits.processes
+
+
+def test_a_dead_process_costs_only_the_function_that_killed_it(walls):
+    code = "def f():\n    __import__('os')._exit(3)\n\n\ndef g():\n    return 5\n"
+    with Submission(code.encode(), "a9", Rules(), walls) as student:
+        with pytest.raises(expect.WrongAnswerError, match="exit code 3"):
+            student.f()
+        assert student.g() == 5
+        with pytest.raises(expect.WrongAnswerError, match="exit code 3"):
+            student.f()
+
+
+def test_an_endless_loop_on_loading_is_named(walls):
+    slow = dataclasses.replace(walls, limits=dataclasses.replace(walls.limits, call=1.5))
+    answer = run(slow, "while True:\n    pass\n")
+    assert "longer than 1.5 s" in answer.failure.message
+
+
+def test_rubbish_on_the_channel_is_no_answer(walls):
+    code = """
+os = __import__("os")
+
+def f():
+    for channel in range(3, 64):
+        try:
+            os.write(channel, b"20 of 20 points " * 10)
+        except OSError:
+            pass
+    return 1
+"""
+    assert "disturbed its channel" in run(walls, code).failure.message
+
+
+def test_changed_arguments_are_reported(walls):
+    code = "def f(a, b):\n    b += 1\n    return a\n"
+    answer = run(walls, code, arguments=[np.ones(3), np.ones(3)])
+    assert answer.changed == (1,)
+
+
+def test_a_generator_arrives_as_a_generator(walls):
+    value = run(walls, "def f(rng):\n    return rng.random(3)\n", arguments=[Seeded(4)]).value
+    np.testing.assert_array_equal(value, np.random.default_rng(4).random(3))
+
+
+def test_the_description_names_every_wall(walls):
+    told = "\n".join(walls.describe())
+    for word in ("network", "files", "user", "processes", "limits"):
+        assert word in told
+    open_walls = "\n".join(Isolation().describe())
+    assert "NOT cut off" in open_walls
+    assert "NOT confined" in open_walls
+
+
+# --- Plain data ------------------------------------------------------------------------
+
+
+def exchanged(data):
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        sender = threading.Thread(target=wire.send, args=(ours, data))
+        sender.start()
+        received = wire.receive(theirs, time.monotonic() + 10)
+        sender.join()
+    return received
+
+
+numbers = st.floats(allow_nan=False) | st.integers(-(2**53), 2**53) | st.booleans() | st.none()
+arrays = st.lists(st.floats(allow_nan=False), max_size=9).map(np.array)
+trees = st.recursive(
+    numbers | st.text(max_size=9) | arrays | st.integers(0, 99).map(Seeded),
+    lambda inner: (
+        st.lists(inner, max_size=3) | st.dictionaries(st.text("abc", max_size=4), inner, max_size=3)
+    ),
+    max_leaves=8,
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(trees)
+def test_plain_data_arrives_as_it_was_sent(data):
+    def same(x, y):
+        if isinstance(x, np.ndarray):
+            return x.dtype == y.dtype and np.array_equal(x, y)
+        if isinstance(x, list):
+            return len(x) == len(y) and all(map(same, x, y))
+        if isinstance(x, dict):
+            return x.keys() == y.keys() and all(same(x[k], y[k]) for k in x)
+        return type(x) is type(y) and x == y
+
+    assert same(data, exchanged(data))
+
+
+def test_matrices_and_answers_arrive_as_they_were_sent():
+    W = csr_array(coo_array((np.array([1.5, -2.0]), ([0, 2], [1, 0])), shape=(3, 4)))
+    answer = exchanged(Answer([W, None], (1,), Failure("raised", "x", 3, "y")))
+    assert answer.failure == Failure("raised", "x", 3, "y")
+    assert answer.changed == (1,)
+    assert (answer.value[0] != W).nnz == 0
+    assert answer.value[0].shape == W.shape
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        b"not json",
+        b'{"$": "array", "dtype": "|O8", "shape": [1], "start": 0}',
+        b'{"$": "array", "dtype": "<f8", "shape": [4611686018427387904, 4], "start": 0}',
+        b'{"$": "array", "dtype": "<f8", "shape": [-1], "start": 0}',
+        b'{"$": "array", "dtype": "<f8", "shape": [1], "start": -8}',
+        b'{"$": "sparse", "shape": [2, 2], "parts": [1, 2, 3]}',
+        b'{"$": "Answer", "value": 1, "changed": [], "failure": 7}',
+        b'{"$": "os.system"}',
+        b"[" * 100_000,
+    ],
+)
+def test_messages_that_make_no_sense_are_refused(head):
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        ours.sendall(wire.LENGTHS.pack(len(head), 8) + head + bytes(8))
+        with pytest.raises(wire.GarbledError):
+            wire.receive(theirs, time.monotonic() + 10)
+
+
+def test_matrices_with_entries_outside_are_refused():
+    row, data = np.array([5]), np.array([1.0])
+    with pytest.raises(wire.GarbledError, match="larger"):
+        wire._sparse(10**12, 3, row, row, data)
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        parts = []
+        sparse = {"$": "sparse", "shape": [2, 2]}
+        sparse["parts"] = [wire._pack(part, parts) for part in (row, row, data)]
+        head, body = json.dumps(sparse).encode(), b"".join(parts)
+        ours.sendall(wire.LENGTHS.pack(len(head), len(body)) + head + body)
+        with pytest.raises(wire.GarbledError, match="outside"):
+            wire.receive(theirs, time.monotonic() + 10)
+
+
+def test_a_message_that_is_too_large_or_never_comes():
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        with pytest.raises(TimeoutError):
+            wire.receive(theirs, time.monotonic() + 0.05)
+        ours.sendall(struct.pack("<QQ", 2**40, 0))
+        with pytest.raises(wire.GarbledError, match="larger"):
+            wire.receive(theirs, time.monotonic() + 10)
+        ours.close()
+        with pytest.raises(EOFError):
+            wire.receive(theirs, time.monotonic() + 10)
+
+
+class Equal:
+    """Claims to be equal to everything, and to be everything."""
+
+    def __eq__(self, other):
+        return True
+
+    def __repr__(self):
+        raise RuntimeError
+
+    __hash__ = None
+
+
+def test_what_is_no_number_becomes_a_name():
+    assert plain(Equal()).type == "Equal"
+    assert plain("20 of 20 points").type == "str"
+    assert plain(np.array([Equal()], dtype=object)).type == "ndarray"
+    assert plain((np.ones(2), np.ones(3)))[1].shape == (3,)
+    assert plain((1.0, 2)).tolist() == [1.0, 2.0]
+    assert plain(None) is None
+    assert plain(np.float32(2)).dtype == np.float64
+    for huge in (np.broadcast_to(1.0, 10**8), coo_array((1, 10**9))):
+        with pytest.raises(ValueError, match="far larger"):
+            plain(huge)
+
+
+def test_failures_name_the_line_of_the_student(tmp_path):
+    path = tmp_path / "a9.py"
+    path.write_text("def f(x):\n    y = 1 / x\n    return y\n")
+    namespace = {}
+    exec(compile(path.read_text(), str(path), "exec"), namespace)
+    told = ask(namespace["f"], [0], str(path)).failure
+    assert told == Failure("raised", "ZeroDivisionError: division by zero", 2, "y = 1 / x")
+
+
+# --- Comparisons -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("came", "hint"),
+    [
+        (Other("Equal", "<Equal>"), "no array of numbers"),
+        ([np.ones(2), np.ones(2)], "2 objects came"),
+        (np.ones((3, 2)), "that of the transpose"),
+        (np.full((2, 3), np.nan), "divided by zero"),
+        (np.full((2, 3), 1j), "complex"),
+        (-np.arange(6.0).reshape(2, 3), "The sign of X is wrong"),
+        (2 * np.arange(6.0).reshape(2, 3), "2 times the right one"),
+        (np.arange(6.0).reshape(2, 3) + 1, "plus one"),
+        (np.arange(6.0).reshape(2, 3) ** 2, "The values of X are wrong"),
+        (csr_array((60_000, 60_000)), "The shape of X is wrong"),
+    ],
+)
+def test_a_wrong_array_is_explained(came, hint):
+    right = np.arange(6.0).reshape(2, 3)
+    with pytest.raises(expect.WrongAnswerError, match=hint):
+        expect.close(came, right, "X", mistakes=[("plus one", lambda: right + 1)])
+
+
+def test_right_values_pass_in_every_form():
+    right = np.array([[0.0, 2.0], [1.0, 0.0]])
+    for came in (right, csr_array(right), right.astype(complex), right * (1 + 1e-9)):
+        expect.close(came, right, "X")
+    expect.close(np.array([2.0]), 2.0, "x")
+    expect.proportional(csr_array(right) * 7, csr_array(right), "X")
+    with pytest.raises(expect.WrongAnswerError):
+        expect.proportional(csr_array(-right), csr_array(right), "X")
+
+
+def test_only_right_values_keep_their_points_when_an_argument_was_changed():
+    check = Assignment("a9", "Test")
+    student = ScriptedStudent(Answer(np.ones(2), changed=(0,)), Answer(np.zeros(2), changed=(0,)))
+
+    @check.part("f", 3, lambda seed: [("one", np.ones(2))])
+    def is_one(student, x):
+        """All ones."""
+        expect.close(student.f(x), np.ones(2), "x")
+
+    right, wrong = check.mark(student, 0)[0], check.mark(student, 0)[0]
+    assert (right.earned, right.status) == (1.5, "partly")
+    assert "in place" in right.hint
+    assert (wrong.earned, wrong.status) == (0, "wrong")
+
+
+def test_a_check_that_trips_costs_only_its_points():
+    check = Assignment("a9", "Test")
+    check.part("f", 1, lambda seed: [("one",)])(tripping)
+    check.part("f", 2, lambda seed: [("two",)])(half)
+    outcomes = check.mark(ScriptedStudent(), 0)
+    assert [outcome.earned for outcome in outcomes] == [0, 1]
+    assert "ZeroDivisionError" in outcomes[0].hint
+    with pytest.raises(ValueError, match="no task 'g'"):
+        check("g")
+
+
+def tripping(student):
+    """Trips."""
+    return 1 / 0
+
+
+def half(student):
+    """Half of it."""
+    return Graded(0.5, metric=3.0)
+
+
+class ScriptedStudent(Submission):
+    """Gives answers from a list."""
+
+    def __init__(self, *answers):
+        self.changed, self._answers, self._script = [], {}, list(answers)
+
+    def _ask(self, name, arguments):
+        return self._script.pop(0)
+
+
+# --- Rules, meshes, feedback -------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("source", "what"),
+    [
+        ("import igl\n", "igl"),
+        ("def f():\n    from meshfair.weights import cotangent\n", "meshfair.weights.cotangent"),
+        ("from numpy.linalg import inv\n", "numpy.linalg.inv"),
+        ("import numpy as np\nx = np.linalg.inv(np.eye(2))\n", "inv"),
+        ("from . import helper\n", ".helper"),
+    ],
+)
+def test_what_the_rules_forbid_is_found(source, what):
+    found = violations(source, Rules(forbidden=("inv",)))
+    assert what in found[0].what
+    assert source.splitlines()[found[0].line - 1]
+
+
+def test_ordinary_code_breaks_no_rule():
+    source = "import numpy as np\nfrom scipy.sparse.linalg import splu\nimport math\n"
+    assert violations(source, Rules(forbidden=("inv",))) == []
+    assert violations("from meshfair import mesh\n", Rules(allowed=("meshfair.mesh",))) == []
+
+
+@pytest.mark.parametrize("ring", [False, True])
+def test_unseen_meshes_are_meshes_and_repeatable(ring):
+    V, F = unseen(3, ring=ring)
+    again, _ = unseen(3, ring=ring)
+    other, _ = unseen(4, ring=ring)
+    assert np.array_equal(V, again)
+    assert not np.array_equal(V, other)
+    assert is_closed(F)
+    assert volume(V, F) > 0
+    V_open, F_open = unseen(3, ring=ring, opened=True)
+    assert not is_closed(F_open)
+    assert np.array_equal(np.unique(F_open), np.arange(len(V_open)))
+
+
+def test_feedback_cannot_be_markup():
+    evil = "<script>alert(1)</script> [x](javascript:1) \x1b[31m"
+    report = Report("r", [Outcome("f", "t", 1, 0, "wrong", hint=evil, came=evil)], [evil], evil)
+    assert "<script>" not in report.page()
+    assert "\x1b" not in report.page()
+    lines = [line for line in report.markdown().splitlines() if not line.startswith("    ")]
+    assert "<script>" not in "\n".join(lines)
+    assert "[x](" not in "\n".join(lines)
+    assert "0 of 1 points" in repr(report)
+
+
+def test_importing_the_command_is_quick():
+    """The teacher's ``--help`` must not wait for SciPy."""
+    code = "import sys, meshfair.cli.grade; sys.exit('scipy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code]).returncode == 0
+    assert Path(command.__file__).exists()

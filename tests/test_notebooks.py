@@ -1,0 +1,182 @@
+"""The notebooks: committed clean, executed whole, their results and explorers checked."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+nbformat = pytest.importorskip("nbformat", reason="needs the notebooks extra")
+nbclient = pytest.importorskip("nbclient", reason="needs the notebooks extra")
+
+TESTS = Path(__file__).parent
+FOLDER = TESTS.parent / "notebooks"
+NOTEBOOKS = sorted(FOLDER.glob("0*.ipynb"))
+
+# For each notebook: small parameters, and what must hold when all of its cells have run.
+CHECKS = {
+    "00": (
+        "SECTIONS, SIDES = 60, 8",
+        """
+        assert (n, k, m) == (480, 1440, 960) and euler == 0
+        assert same
+        assert abs(mesh.volume(corners, sides) - 1 / 6) < 1e-12
+        assert view.panels[0].edges and coloured.scale.high == areas.max()
+        """,
+    ),
+    "01": (
+        "SECTIONS, SIDES = 60, 8",
+        """
+        assert abs(by_hand - snr_noisy) < 1e-10
+        slope = np.polyfit(np.log10(sizes), curve, 1)[0]
+        assert abs(slope + 20) < 0.1  # ten times the noise, twenty decibels less
+        for noisy in scaled.values():
+            assert abs(noise.snr(V, noisy) - 28) < 1e-9
+        assert snr_without_mean > snr_uniform + 3
+        assert np.ptp(angles) < 1e-6 and np.ptp(decibels) > 6
+        """,
+    ),
+    "02": (
+        "SECTIONS, SIDES, SIZE, STEPS = 120, 12, 0.9, 8",
+        """
+        assert all(max(both) < 1e-12 for both in differences.values())
+        assert all(abs(A[name].sum(axis=1) - 1).max() < 1e-12 for name in A)
+        assert all(max(curve) > curve[0] for curve in curves.values())
+        assert all(change < 0 for change in volumes.values())
+        """,
+    ),
+    "03": (
+        "SECTIONS, SIDES, STEPS = 60, 8, 6",
+        """
+        assert abs(by_hand - second).max() < 1e-12
+        assert all(best[name].snr == curves[name][:, 1].max() for name in best)
+        assert abs(eigenvalues[0] - 1) < 1e-9 and eigenvalues.min() > -2
+        slow = eigenvalues > 0.5
+        assert of_shape[slow].max() > 10 * of_shape[~slow].max()
+        assert of_noise[slow].max() < 10 * of_noise[~slow].max()
+        assert bounds["combinatorial"] >= 1 and bounds["distance"] >= 1
+        assert 2 / 3 < bounds["cotangent"]
+        assert 1.49 < largest[0] < 1.51 and 2.9 < largest[-1] < 3
+        assert len(caught) == 1 and "the bound on this mesh" in str(caught[0].message)
+        assert np.ptp(stable) < np.ptp(noisy_wave) < np.ptp(blown_up)
+        """,
+    ),
+    "04": (
+        "DRAWS, STEPS = 1, 5",
+        """
+        assert abs(metrics.snr(V, noisy) - 22.71) < 1e-9
+        for weights in plotting.WEIGHT_COLOURS:
+            assert metrics.snr(V, meshes[weights, 10]) < 22.71
+            angle = metrics.normal_angle(meshes[weights, 10], V, F)
+            assert angle < metrics.normal_angle(noisy, V, F)
+        assert len(table) == 24 and len(uniform) == len(normals) == 12
+        average = uniform[uniform["weights"] == "combinatorial"]
+        assert (abs(average["snr_mean"] - average["seed_snr"]) < 0.3).all()
+        assert gains["normals"].to_numpy().min() > gains["uniform"].to_numpy().max()
+        """,
+    ),
+    "05": (
+        "DETAIL, STEPS = 0.5, 3",
+        """
+        assert 0.05 < missile.mean() < 0.6 and len(missile) == len(V)
+        assert abs(metrics.snr(V, states[0.0]) - 22.7) < 1e-9
+        assert metrics.snr(V, states[0.6]) > metrics.snr(V, states[4.0])
+        flown = errors[errors["weights"] == "combinatorial"].pivot(
+            index="time", columns="part", values="error"
+        )
+        assert flown["missiles"].idxmin() < flown["aircraft"].idxmin()
+        assert flown["missiles"].iloc[-1] > flown["missiles"].iloc[0]
+        assert flown["aircraft"].iloc[-1] < flown["aircraft"].iloc[0]
+        """,
+    ),
+    "06": (
+        "SECTIONS, SIDES, STEPS = 60, 8, 5",
+        """
+        assert not found.ok and after.ok and after.closed
+        assert (V_file[origin] == V).all() and len(V) == len(V_clean)
+        assert [step.count for step in report] == [180, 0, 20, 30, 1]
+        assert volume[-1] < 0 and angle[-1] < angle[0] / 3
+        assert (V_again == V_denoised).all()
+        shown, _ = explorer.mesh()
+        assert shown.shape == V.shape
+        """,
+    ),
+}
+
+pytestmark = pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+
+
+def cells(notebook, kind):
+    return [cell for cell in notebook["cells"] if cell["cell_type"] == kind]
+
+
+@pytest.fixture
+def notebook(path):
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def test_committed_clean(notebook):
+    for cell in cells(notebook, "code"):
+        assert cell["outputs"] == [], f"clear the outputs of {cell['id']}"
+        assert cell["execution_count"] is None
+    for cell in notebook["cells"]:
+        assert set(cell["metadata"]) <= {"tags"}, f"metadata of {cell['id']}"
+        assert re.fullmatch(r"[a-z0-9-]{3,}", cell["id"])
+    assert len({cell["id"] for cell in notebook["cells"]}) == len(notebook["cells"])
+    assert set(notebook["metadata"]) == {"kernelspec", "language_info"}
+    assert notebook["metadata"]["language_info"] == {"name": "python"}
+    tags = [tag for cell in notebook["cells"] for tag in cell["metadata"].get("tags", [])]
+    assert tags.count("parameters") == 1
+
+
+def test_tells_its_goal_and_leads_on(notebook, path):
+    text = ["".join(cell["source"]) for cell in cells(notebook, "markdown")]
+    assert re.match(rf"# {int(path.stem[:2])} · .*\n\n\*\*Goal\.\*\* ", text[0])
+    assert any("## Try\n" in cell for cell in text)
+    assert any("## A question\n" in cell for cell in text)
+    linked = set(re.findall(r"\]\(([^)]+\.ipynb)\)", "\n".join(text)))
+    assert linked
+    for name in linked:
+        assert (FOLDER / name).is_file(), name
+
+
+def test_style(path):
+    for command in (["check"], ["format", "--check"]):
+        done = subprocess.run(
+            [sys.executable, "-m", "ruff", *command, str(path)], capture_output=True, text=True
+        )
+        assert done.returncode == 0, done.stdout
+
+
+# Third parties' own: jupyter_client's and zmq's, on their way to newer versions.
+@pytest.mark.filterwarnings("ignore::DeprecationWarning:(jupyter_client|nbclient|zmq|traitlets)")
+@pytest.mark.filterwarnings("ignore::ResourceWarning")
+def test_runs_top_to_bottom(path, tmp_path):
+    notebook = nbformat.read(path, as_version=4)
+    small, check = CHECKS[path.stem[:2]]
+    (at,) = [
+        i for i, cell in enumerate(notebook.cells) if "parameters" in cell.metadata.get("tags", [])
+    ]
+    notebook.cells.insert(at + 1, nbformat.v4.new_code_cell(small))
+    lines = [f"import sys; sys.path.insert(0, {str(TESTS)!r})", "from drive import drive_all"]
+    notebook.cells.append(nbformat.v4.new_code_cell("\n".join([*lines, "drive_all(globals())"])))
+    notebook.cells.append(nbformat.v4.new_code_cell(re.sub(r"^        ", "", check, flags=re.M)))
+    # One thread each: two tests run at a time, and BLAS threads would wait for each other.
+    one = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"), "1")
+    client = nbclient.NotebookClient(
+        notebook, timeout=120, resources={"metadata": {"path": str(tmp_path)}}
+    )
+    client.execute(env={**os.environ, **one})
+
+    for cell in notebook.cells:
+        for output in cell.get("outputs", []):
+            warns = "warns" in cell.metadata.get("tags", [])
+            complaint = output.get("name") == "stderr" and not warns
+            assert not complaint, f"{cell.id}: {output.text}"
+    moved = notebook.cells[-2].outputs
+    if path.stem[:2] != "00":
+        assert int(moved[0]["data"]["text/plain"]) >= 4, "no explorer was driven"
+    assert (*tmp_path.iterdir(),) == (), "the notebook left files in its folder"

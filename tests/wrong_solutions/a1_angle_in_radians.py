@@ -1,0 +1,8 @@
+# task: normal_angle
+# points: 1
+# hint: radians
+import numpy as np
+
+
+def normal_angle(N, N_clean):
+    return np.arccos(np.clip((N * N_clean).sum(axis=1), -1, 1)).mean()

@@ -1,0 +1,12 @@
+# task: mass_matrix
+# points: 0
+# hint: a third of it
+import numpy as np
+from scipy.sparse import csr_array, diags_array
+
+
+def mass_matrix(V, F):
+    a, b, c = V[F[:, 0]], V[F[:, 1]], V[F[:, 2]]
+    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+    m = np.bincount(F.ravel(), weights=np.repeat(areas, 3), minlength=len(V))
+    return csr_array(diags_array(m))

@@ -1,0 +1,10 @@
+# task: gain
+# points: 0
+# hint: sign is wrong
+import numpy as np
+
+
+def gain(V, V_noisy, V_clean, part):
+    before = np.linalg.norm(V_noisy - V_clean, axis=1)[part].sum()
+    after = np.linalg.norm(V - V_clean, axis=1)[part].sum()
+    return -20 * np.log10(before / after)
