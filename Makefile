@@ -13,10 +13,11 @@ help: ## list these targets
 		while IFS='|' read -r name text; do printf '  make %-12s %s\n' "$$name" "$$text"; done
 
 report: $(VENV)/report.done system ## run every experiment and typeset report/report.pdf
-	$(BIN)/python report/build.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python report/build.py
 
+# On two busy cores, BLAS threads wait for each other.
 test: $(VENV)/test.done system ## run all tests
-	$(BIN)/python -m pytest -n 2 --dist loadgroup
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadgroup
 
 lab: $(VENV)/notebooks.done system ## open the notebooks in JupyterLab
 	$(BIN)/jupyter lab notebooks/00-start-here.ipynb

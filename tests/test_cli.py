@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from broken import bow_tie
-from meshfair import cli, io, mesh, noise, shapes
+from meshfair import cli, flow, io, mesh, metrics, noise, operators, shapes, weights
 from meshfair.cli import doctor, printing
 
 
@@ -427,3 +427,95 @@ def test_json_has_no_numbers_that_json_has_not(capsys):
         "c": [0, 1],
         "d": True,
     }
+
+
+# --- denoise and compare ------------------------------------------------------------------
+
+
+@pytest.fixture
+def noisy(tmp_path):
+    V, F = shapes.knot()
+    path = tmp_path / "noisy.ply"
+    io.write(path, noise.along_normals(V, F, 0.3, np.random.default_rng(1)), F)
+    return path
+
+
+def test_denoise_is_the_heat_flow(run, noisy, tmp_path):
+    out = tmp_path / "out.ply"
+    words = ("--weights", "distance", "--time", 0.6, "--json")
+    code, printed, err = run("denoise", noisy, out, *words)
+    assert (code, err) == (0, "")
+    assert json.loads(printed)["time"] == 0.6
+    V, F = io.read(noisy)
+    *_, (_, last) = flow.heat(V, operators.averaging(weights.distance(V, F)), 0.2, 0.6)
+    np.testing.assert_array_equal(io.read(out)[0], last)
+
+
+def test_denoise_stops_where_the_snr_is_best(run, knot, noisy, tmp_path):
+    out = tmp_path / "out.ply"
+    words = ("--weights", "combinatorial", "--time", 4, "--clean", knot, "--json")
+    code, printed, _ = run("denoise", noisy, out, *words)
+    assert code == 0
+    found = json.loads(printed)
+    V, F = io.read(noisy)
+    V_clean, _ = io.read(knot)
+    A = operators.averaging(weights.combinatorial(F, len(V)))
+    best = flow.best_stopping(V, V_clean, A, 0.2, 4.0)
+    assert found["time"] == best.time
+    assert found["snr"] == pytest.approx(best.snr, rel=1e-12)
+    assert noise.snr(V_clean, io.read(out)[0]) == pytest.approx(best.snr, rel=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["combinatorial", "distance", "cotangent", "intrinsic"])
+@pytest.mark.parametrize("method", ["averaging", "implicit"])
+def test_every_method_with_every_weights_smooths(run, knot, noisy, tmp_path, kind, method):
+    out = tmp_path / "out.ply"
+    code, _, err = run("denoise", noisy, out, "--method", method, "--weights", kind, "--time", 1)
+    assert code == 0
+    # A whole step with negative weights is past the bound, and the user is told.
+    assert ("the bound on this mesh" in err) == ((method, kind) == ("averaging", "cotangent"))
+    V_clean, F = io.read(knot)
+    before, after = (metrics.normal_angle(io.read(path)[0], V_clean, F) for path in (noisy, out))
+    assert after < before / 1.5
+
+
+def test_denoise_can_hold_the_boundary(run, tmp_path):
+    V, F = shapes.box(segments=4)
+    open_box = F[mesh.face_normals(V, F)[:, 2] < 0.5]  # without its lid
+    noisy, out = tmp_path / "noisy.ply", tmp_path / "out.ply"
+    io.write(noisy, V, open_box)
+    assert run("denoise", noisy, out, "--hold-boundary")[0] == 0
+    held = mesh.boundary_vertices(open_box)
+    assert held.any()
+    np.testing.assert_array_equal(io.read(out)[0][held], V[held])
+
+
+def test_denoise_refuses_what_makes_no_sense(run, knot, noisy, tmp_path):
+    out = tmp_path / "out.ply"
+    code, _, err = run("denoise", noisy, out, "--method", "implicit", "--clean", knot)
+    assert code == 1
+    assert "implicit makes one" in one_line(err)
+    code, _, err = run("denoise", noisy, out, "--time", -1)
+    assert code == 1
+    assert "time is -1" in one_line(err)
+    assert not out.exists()
+    code, _, err = run("denoise", noisy, noisy)
+    assert code == 1
+    assert "is an input too" in one_line(err)
+
+
+def test_compare_prints_every_metric(run, knot, noisy):
+    code, printed, err = run("compare", noisy, knot, "--json")
+    assert (code, err) == (0, "")
+    assert json.loads(printed) == metrics.compare(*io.read(noisy), *io.read(knot))
+    code, printed, _ = run("compare", noisy, knot)
+    assert len(printed.splitlines()) == 6
+    assert "degrees" in printed
+
+
+def test_compare_meshes_of_other_faces(run, knot, tmp_path):
+    other = tmp_path / "other.off"
+    io.write(other, *shapes.knot(sections=60, sides=8))
+    code, printed, _ = run("compare", other, knot)
+    assert code == 0
+    assert printed.count("cannot be compared") == 2

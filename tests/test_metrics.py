@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from meshes import grid
-from meshfair import MeshError, metrics, noise, shapes
+from meshfair import MeshError, mesh, metrics, noise, shapes
 
 
 @pytest.mark.parametrize("degrees", [1e-6, 0.1, 30, 90, 179])
@@ -58,3 +58,41 @@ def test_different_numbers_of_vertices():
     V, F = shapes.icosphere(1)
     with pytest.raises(MeshError, match="has 42 vertices but V_clean has 41"):
         metrics.normal_angle(V, V[:-1], F)
+
+
+def test_area_change_of_a_scaled_mesh():
+    V, F = shapes.box()
+    assert metrics.area_change(1.1 * V, V, F) == pytest.approx(1.1**2 - 1, rel=1e-12)
+    with pytest.raises(MeshError, match="no area"):
+        metrics.area_change(V, 0 * V, F)
+
+
+def test_hausdorff_distance_of_a_spike():
+    V, F = grid(6)
+    spiked = V.copy()
+    spiked[24, 2] = 2.5  # one vertex far out
+    unit = mesh.mean_edge_length(V, F)
+    assert metrics.hausdorff(spiked, F, V, F) == pytest.approx(2.5 / unit)
+    assert metrics.hausdorff(V, F, V, F) == 0
+
+
+def test_compare_has_every_metric(rng):
+    V, F = shapes.icosphere(2)
+    V_noisy = noise.gaussian(V, F, 0.2, rng)
+    found = metrics.compare(V_noisy, F, V, F)
+    assert found == {
+        "snr": metrics.snr(V, V_noisy),
+        "normal_angle": metrics.normal_angle(V_noisy, V, F),
+        "surface_distance": metrics.surface_distance(V_noisy, V, F),
+        "hausdorff": metrics.hausdorff(V_noisy, F, V, F),
+        "volume_change": pytest.approx(metrics.volume_change(V_noisy, V, F), rel=1e-12),
+        "area_change": metrics.area_change(V_noisy, V, F),
+    }
+
+
+def test_compare_meshes_of_other_faces():
+    found = metrics.compare(*shapes.icosphere(3), *shapes.icosphere(2))
+    assert found["snr"] is found["normal_angle"] is None
+    assert 0 < found["surface_distance"] < found["hausdorff"]
+    assert found["volume_change"] > 0  # the finer one fills more of the sphere
+    assert metrics.compare(*grid(3), *grid(2))["volume_change"] is None

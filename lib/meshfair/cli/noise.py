@@ -68,5 +68,5 @@ def run(options):
     if options.json:
         printing.print_json(facts)
     else:
-        printing.print_table(list(facts.items()))
+        printing.print_table(facts.items())
     return 0

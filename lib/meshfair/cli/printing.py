@@ -24,7 +24,9 @@ def _plain(value):
 
 def print_table(rows):
     """Print names and values in two columns; numbers with six digits."""
+    rows = [
+        (name, f"{value:.6g}" if isinstance(value, float) else str(value)) for name, value in rows
+    ]
     width = max(len(name) for name, _ in rows)
     for name, value in rows:
-        shown = f"{value:.6g}" if isinstance(value, float) else value
-        print(f"{name:<{width}}  {shown}")
+        print(f"{name:<{width}}  {value}")

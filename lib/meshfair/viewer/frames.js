@@ -193,7 +193,6 @@ function render({ model, el }) {
     }
     if (message.kind !== "frame") return;
     clearInterval(asking);
-    clearTimeout(resting);
     error.textContent = "";
     await Promise.all(
       message.panels.map(async (k, i) => {
@@ -212,7 +211,11 @@ function render({ model, el }) {
     bar.show(message.bar);
     model.send({ kind: "shown" });
     moves.answered();
-    if (message.draft) resting = setTimeout(() => model.send({ kind: "rest" }), REST);
+    // Good frames of other panels may come meanwhile: they do not put the rest off.
+    if (message.draft) {
+      clearTimeout(resting);
+      resting = setTimeout(() => model.send({ kind: "rest" }), REST);
+    }
   };
   model.on("msg:custom", receive);
 
