@@ -645,9 +645,8 @@ def odd():
     add("continued.obj", SOUND["obj"].replace(b" ", b" \\\n "))
     add("continued_crlf.obj", SOUND["obj"].replace(b" ", b" \\\r\n "))
     add("continued_last.obj", SOUND["obj"].rstrip() + b" \\\n")
-    rest = (
-        "g a b\no pyramid\ns off\nusemtl red#1\nmtllib a.mtl\nvn 0 0 1\nvt 0 0\nvp 1\nl 1 2\np 1\n"
-    )
+    rest = "g a b\no pyramid\ns off\nusemtl red#1\nmtllib a.mtl\nvn 0 0 1\nvt 0 0\nvp 1\n"
+    rest += "l 1 2\np 1\nt crease 1/1/0 0 1 2\nvw 0 0 1\n"
     add("other_statements.obj", rest + vertices + rest + faces + rest)
     add("between_every_line.obj", "".join(line + rest for line in obj().splitlines(True)))
     add("surface.obj", "cstype bezier\ndeg 3 3\ncurv2 1 2\nparm u 0 1\nend\n" + obj())
@@ -671,6 +670,10 @@ def odd():
     add("one_line_header.off", off(keyword="OFF "))
     add("no_blank_after_keyword.off", off(keyword="OFF"))
     add("lower_case.off", off(keyword="off\n"))
+    add("everything_in_one_line.off", off().replace("\n", " "))
+    add("everything_in_one_line_glued.off", off(keyword="OFF").replace("\n", " "))
+    add("every_word_a_line.off", off().replace(" ", "\n\n"))
+    add("header_in_lines.off", off(counts=f"{N}\n# faces:\n{M}\n\n0"))
     add("edges_counted.off", off(counts=f"{N} {M} 11"))
     add("wrong_edges.off", off(counts=f"{N} {M} 99"))
     for name, columns in {

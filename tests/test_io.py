@@ -391,6 +391,12 @@ def test_any_ply_is_read(tmp_path_factory, drawn):
     assert same(read_F, F)
 
 
+def test_numbers_are_as_many_as_words():
+    assert text.parse_numbers(b"1 2\n", np.float64, 2).tolist() == [1, 2]
+    for words in b"1 2 3", b"1", b"1 2x", b"1 2_0", b"1 2.5.5", b"1 x", b" ":
+        assert text.parse_numbers(words, np.float64, 2) is None
+
+
 @given(st.data(), st.sampled_from(["little", "big"]))
 def test_binary_rows_are_the_same_at_once_and_one_by_one(data, order):
     types = st.sampled_from(sorted(ply.TYPES)).map(ply.TYPES.get)

@@ -2,7 +2,7 @@
 
 The vertices of a file come back in its order, and its faces too; what is no
 mesh is refused with one sentence. Everything else that a sound file holds is
-left out: normals, colours, texture, materials, lines and points.
+left out: normals, colours, texture, weights, materials, lines and points.
 """
 
 import gzip

@@ -8,11 +8,12 @@ from meshfair.io.faults import fault
 from meshfair.io.opening import check_content
 from meshfair.io.text import Lines, clean, encode_rows, is_blank
 
-# The rest of the format is not part of a triangle mesh, and is skipped.
+# The rest of the format is not part of a triangle mesh, and is skipped. Subdivision
+# tools added t, and skinning tools vw.
 SKIPPED = frozenset(
     b"bevel bmat bsp bzp c_interp call cdc cdp con cres csh cstype ctech curv curv2 d_interp deg "
     b"end g hole l lod maplib mg mtllib o p parm res s scrv shadow_obj sp stech step surf "
-    b"trace_obj trim usemap usemtl vn vp vt".split()
+    b"t trace_obj trim usemap usemtl vn vp vt vw".split()
 )
 LONGEST_KEYWORD = max(map(len, SKIPPED))
 # x y z, and a fourth coordinate (1), a colour (3 or 4) or both, which are left out.

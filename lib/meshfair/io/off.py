@@ -13,7 +13,7 @@ from meshfair.io.text import Lines, clean, encode_rows
 # programs write them. The keyword may be left out, or the blank behind it.
 HEADER = re.compile(
     rb"\s*+(?:(?P<more>(?:ST|C|N|4)*)OFF|off)?"
-    rb"\s*(?P<n>\d{1,18})\s+(?P<m>\d{1,18})\s+\d{1,18}[^\S\n]*\n"
+    rb"\s*(?P<n>\d{1,18})\s+(?P<m>\d{1,18})\s+\d{1,18}(?=\s)"
 )
 
 
@@ -27,7 +27,8 @@ def parse(stream):
         raise fault("header", f"found {quoted(text.strip())}", wanted)
     more, n, m = header["more"] or b"", int(header["n"]), int(header["m"])
     columns = 3 + (b"4" in more) + 3 * (b"N" in more) + 2 * (b"ST" in more)
-    lines = Lines(text)[len(Lines(header[0])) :].as_rows([(n, columns * [False]), (m, [True])])
+    rows = re.sub(rb"\S", b" ", header[0]) + text[header.end() :]  # lines keep their numbers
+    lines = Lines(rows).as_rows([(n, columns * [False]), (m, [True])])
     if len(lines) != n + m:
         raise fault("header", f"{n} vertices and {m} faces announced", f"{len(lines)} lines follow")
     return _vertices(lines[:n], columns, more), *_faces(lines[n:])

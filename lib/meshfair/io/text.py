@@ -3,6 +3,7 @@
 import codecs
 import copy
 import re
+import warnings
 
 import numpy as np
 
@@ -31,11 +32,14 @@ def parse_numbers(text, dtype, size):
     """The numbers of a text, or None if it is not exactly ``size`` of them between blanks."""
     if not size:
         return np.empty(0, dtype)  # np.fromstring finds a number where there is none
-    try:
-        numbers = np.fromstring(text, dtype, sep=" ")
-    except (ValueError, DeprecationWarning):
-        return None
-    # NumPy before 2.3 may only warn of a wrong word, and return the numbers before it.
+    with warnings.catch_warnings():
+        # NumPy before 2.3 only warns of a word that is no number.
+        warnings.simplefilter("error", DeprecationWarning)
+        try:
+            numbers = np.fromstring(text, dtype, sep=" ")
+        except (ValueError, DeprecationWarning):
+            return None
+    # It asks the locale what is blank, so the number of words may be another.
     return numbers if len(numbers) == size else None
 
 
