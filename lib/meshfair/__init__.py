@@ -16,7 +16,8 @@ __version__ = "0.1.0"
 
 _MODULES = (
     "checks", "shapes", "io", "datasets", "mesh", "noise", "weights", "operators", "spectrum",
-    "solve", "flow", "metrics", "experiments", "plotting", "viewer", "explorers", "reference",
+    "solve", "flow", "filters", "metrics", "experiments", "plotting", "viewer", "explorers",
+    "reference",
 )  # fmt: skip
 
 __all__ = ["MeshError", "MeshWarning", "StabilityWarning", *_MODULES]

@@ -1,0 +1,285 @@
+"""Diffusion: the seed's filters, implicit steps, quadratic regularisation, Taubin's filter.
+
+All work with each of the seed's three edge weights. Steps and strengths do not
+depend on the mesh's scale: they are multiples of its mean edge length.
+"""
+
+import numpy as np
+from scipy.sparse import diags_array
+
+from meshfair import flow, solve
+from meshfair.checks import MeshError, check_mesh, check_number
+from meshfair.filters.arguments import check_choice, check_count, held_vertices
+from meshfair.mesh import is_closed, mean_edge_length, volume
+from meshfair.operators import averaging as averaging_operator
+from meshfair.operators import laplacian, mass
+from meshfair.weights import Pattern, combinatorial, cotangent, distance
+
+WEIGHTS = ("combinatorial", "distance", "cotangent")
+
+
+def edge_weights(V, pattern, kind, length):
+    """One of the seed's three edge weights, free of the mesh's scale.
+
+    Parameters
+    ----------
+    V : ndarray of float64, shape (n, 3)
+    pattern : Pattern
+    kind : {"combinatorial", "distance", "cotangent"}
+    length : float
+        What distances are divided by, in the units of ``V``.
+
+    Returns
+    -------
+    csr_array of float64, shape (n, n)
+
+    Raises
+    ------
+    ValueError
+        Another kind.
+    """
+    check_choice(kind, "weights", WEIGHTS)
+    if kind == "combinatorial":
+        return combinatorial(pattern, len(V))
+    if kind == "distance":
+        return distance(V, pattern) / length
+    return cotangent(V, pattern)
+
+
+def averaging(V, F, *, weights="combinatorial", steps=2, fixed=None):
+    """The seed's iterated averaging V~ = W~^s V, as an iterator.
+
+    Parameters
+    ----------
+    V : array_like, shape (n, 3)
+    F : array_like of integers, shape (m, 3)
+    weights : {"combinatorial", "distance", "cotangent"}
+        Built once, from the noisy mesh.
+    steps : int
+        s.
+    fixed : array_like, optional
+        Vertices that keep their place, as a boolean mask (n,) or as indices.
+
+    Yields
+    ------
+    progress : float
+        The part of the work that is done; 1 at the end.
+    V : ndarray of float64, shape (n, 3)
+
+    Raises
+    ------
+    MeshError, ValueError
+        No mesh, or a parameter outside its range.
+
+    Warns
+    -----
+    StabilityWarning
+        Cotangent weights so negative that the iteration may grow.
+    """
+    steps = check_count(steps, "steps")
+    yield from heat(V, F, weights=weights, tau=1.0, time=steps, fixed=fixed)
+
+
+def heat(V, F, *, weights="combinatorial", tau=0.2, time=2.0, fixed=None):
+    """The seed's heat flow by forward Euler, V+ = (1 - tau) V + tau W~ V, as an iterator.
+
+    Parameters
+    ----------
+    V, F, weights, fixed
+        As in `averaging`.
+    tau : float
+        Time step, above 0, best at most 1.
+    time : float
+        How long to flow.
+
+    Yields
+    ------
+    progress, V
+        As in `averaging`.
+
+    Raises
+    ------
+    MeshError, ValueError
+        No mesh, or a parameter outside its range.
+
+    Warns
+    -----
+    StabilityWarning
+        See `meshfair.flow.heat`.
+    """
+    V, F = check_mesh(V, F)
+    tau = check_number(tau, "tau", 0, open_low=True)
+    length = mean_edge_length(V, F)
+    A = averaging_operator(edge_weights(V, Pattern(F, len(V)), weights, length))
+    states = flow.heat(V, A, tau, time, fixed=fixed)
+    next(states)  # at time 0
+    for t, V in states:
+        yield min(1.0, t / time), V
+
+
+def taubin(V, F, *, weights="combinatorial", lam=0.5, mu=-0.53, iterations=10, fixed=None):
+    """Taubin's filter [T95], as an iterator: smoothing without shrinking.
+
+    Each iteration is a step of heat flow and a slightly larger one backwards,
+    V <- V + lambda (W~ - I) V, then V <- V + mu (W~ - I) V: a low-pass filter
+    that leaves slow variations as they are.
+
+    Parameters
+    ----------
+    V, F, weights, fixed
+        As in `averaging`.
+    lam, mu : float
+        lambda > 0 and mu < -lambda.
+    iterations : int
+
+    Yields
+    ------
+    progress, V
+        As in `averaging`.
+
+    Raises
+    ------
+    MeshError, ValueError
+        No mesh, or a parameter outside its range.
+    """
+    V, F = check_mesh(V, F)
+    lam = check_number(lam, "lam", 0, 1, open_low=True)
+    mu = check_number(mu, "mu", -np.inf, -lam)
+    iterations = check_count(iterations, "iterations")
+    free = ~held_vertices(fixed, len(V))[:, None]
+    A = averaging_operator(edge_weights(V, Pattern(F, len(V)), weights, mean_edge_length(V, F)))
+    for step in range(1, iterations + 1):
+        for factor in (lam, mu):
+            V = V + factor * free * (A @ V - V)
+        yield step / iterations, V
+
+
+def implicit(
+    V, F, *, weights="cotangent", step=0.25, steps=1, keep_volume=False, fixed=None
+):  # fmt: skip
+    """Implicit fairing [MD99], as an iterator: backward Euler steps of the diffusion.
+
+    (M + t L) V+ = M V with the mass matrix M and the Laplacian L = D - W,
+    both built anew from the positions before each step. Stable for every t.
+
+    Parameters
+    ----------
+    V, F, weights, fixed
+        As in `averaging`. With cotangent weights this is mean curvature flow.
+    step : float
+        t, in squared mean edge lengths of the input.
+    steps : int
+    keep_volume : bool
+        After each step, scale the mesh about its centroid back to the
+        volume it had at the start.
+
+    Yields
+    ------
+    progress, V
+        As in `averaging`.
+
+    Raises
+    ------
+    MeshError, ValueError
+        No mesh, a parameter outside its range, ``keep_volume`` on an open
+        mesh or together with ``fixed``.
+    SolveError
+        The linear system could not be solved.
+    """
+    V, F = check_mesh(V, F)
+    step = check_number(step, "step", 0)
+    steps = check_count(steps, "steps")
+    rescale = volume_keeper(V, F, keep_volume, fixed)
+    pattern, length = Pattern(F, len(V)), mean_edge_length(V, F)
+    for k in range(1, steps + 1):
+        L = laplacian(edge_weights(V, pattern, weights, length))
+        V = rescale(solve.implicit_step(V, L, mass(V, F), step * length**2, fixed=fixed))
+        yield k / steps, V
+
+
+def regularised(
+    V, F, *, weights="cotangent", order=1, strength=0.25, keep_volume=False, fixed=None
+):  # fmt: skip
+    """Quadratic regularisation, as the seed's conclusion proposes it, as an iterator.
+
+    The minimiser of |V' - V|_M^2 + lambda E(V'), with a penalty on the gradient
+    or, of second order, on the Laplacian:
+
+        E(V') = <V', L V'>              (M + lambda L) V' = M V,
+        E(V') = |M^-1 L V'|_M^2         (M + lambda L M^-1 L) V' = M V.
+
+    The first is one implicit step of size lambda; the second leaves low
+    frequencies alone and damps high ones more.
+
+    Parameters
+    ----------
+    V, F, weights, fixed
+        As in `averaging`.
+    order : {1, 2}
+    strength : float
+        lambda, in mean edge lengths to the power 2 (order 1) or 4 (order 2).
+    keep_volume : bool
+        As in `implicit`.
+
+    Yields
+    ------
+    progress, V
+        As in `averaging`: once.
+
+    Raises
+    ------
+    MeshError, ValueError, SolveError
+        As `implicit`.
+    """
+    V, F = check_mesh(V, F)
+    check_choice(order, "order", (1, 2))
+    strength = check_number(strength, "strength", 0)
+    rescale = volume_keeper(V, F, keep_volume, fixed)
+    length = mean_edge_length(V, F)
+    L = laplacian(edge_weights(V, Pattern(F, len(V)), weights, length))
+    M = mass(V, F)
+    if order == 2:
+        m = M.diagonal()
+        inverse = np.divide(1.0, m, out=np.zeros_like(m), where=m > 0)
+        L = L @ diags_array(inverse) @ L
+    yield 1.0, rescale(solve.implicit_step(V, L, M, strength * length ** (2 * order), fixed=fixed))
+
+
+def volume_keeper(V, F, keep_volume, fixed):
+    """A function that scales positions about their centroid to the volume that V has.
+
+    Parameters
+    ----------
+    V : ndarray of float64, shape (n, 3)
+    F : ndarray of int64, shape (m, 3)
+    keep_volume : bool
+        Without it, the function leaves positions as they are.
+    fixed : array_like or None
+        Vertices that are held.
+
+    Returns
+    -------
+    function of an array of shape (n, 3)
+
+    Raises
+    ------
+    MeshError, ValueError
+        The mesh is open or encloses nothing; vertices are held, which scaling
+        would move.
+    """
+    if not keep_volume:
+        return lambda X: X
+    if fixed is not None:
+        raise ValueError("keep_volume scales the whole mesh, so no vertex can stay fixed")
+    target = volume(V, F)
+    if not is_closed(F) or target == 0:
+        raise MeshError("keep_volume needs a closed mesh with a volume; this one has none")
+
+    def rescale(X):
+        ratio = target / volume(X, F)
+        if ratio <= 0:
+            raise MeshError("the step turned the mesh inside out; take a smaller one")
+        centroid = X.mean(axis=0)
+        return centroid + ratio ** (1 / 3) * (X - centroid)
+
+    return rescale
