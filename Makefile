@@ -20,7 +20,7 @@ test: $(VENV)/test.done system ## run all tests
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadgroup
 
 lab: $(VENV)/notebooks.done system ## open the notebooks in JupyterLab
-	$(BIN)/jupyter lab notebooks/00-start-here.ipynb
+	$(BIN)/jupyter lab $$([ "$$(id -u)" = 0 ] && echo --allow-root) notebooks/00-start-here.ipynb
 
 data: $(VENV)/report.done ## download the real meshes (MESHFAIR_MIRROR=DIR: copy them from there)
 	$(BIN)/python data_scripts/fetch_meshes.py
