@@ -89,6 +89,18 @@ def test_more_than_one_block(rng):
     same_matrix(weights.combinatorial(wheel, k + 1), plain.combinatorial(wheel, k + 1))
 
 
+@given(ragged_soups())
+def test_a_pattern_lists_each_edge_with_the_vertices_opposite(soup):
+    V, F = soup
+    P = weights.Pattern(F, len(V))
+    i, j = P.indices[P.lower], P.indices[P.upper]
+    np.testing.assert_array_equal(np.repeat(np.arange(len(V)), np.diff(P.start)), i)
+    listed = np.column_stack([np.repeat(np.stack([i, j]), np.diff(P.first), axis=1).T, P.opposite])
+    corners = {tuple(sorted(face)) for face in F.tolist()}
+    expected = {t for a, b, c in corners for t in ((a, b, c), (a, c, b), (b, c, a))}
+    assert listed.tolist() == sorted([i, j, k] for i, j, k in expected if i != j)
+
+
 def test_a_pattern_is_filled_again_and_again():
     (V, F), (V_moved, _) = torus(0), torus(1)
     P = weights.Pattern(F, len(V))

@@ -96,14 +96,16 @@ def check_faces(F, n, name="F"):
     if np.size(F) == 0:
         raise MeshError(f"{name} has no faces; a mesh needs at least one triangle")
     F = _array(F, name, "iu", "integers of shape (m, 3), one triangle a row")
-    if F.min() < 0 or F.max() >= n:
+    checked = np.ascontiguousarray(F, dtype=np.int64)
+    # One pass decides: read as unsigned, a negative number is larger than any index.
+    if checked.view(np.uint64).max() >= n:
         row = np.argwhere((F < 0) | (F >= n))[0][0]
         bad = next(int(i) for i in F[row] if not 0 <= i < n)
         raise MeshError(
             f"{name}: face {row} has vertex index {bad}, but there are {n} vertices "
             f"(0 to {n - 1}); check that indices start at 0 and that no vertex was dropped"
         )
-    return np.ascontiguousarray(F, dtype=np.int64)
+    return checked
 
 
 def check_mesh(V, F):

@@ -41,6 +41,9 @@ class Pattern:
     upper, lower : ndarray, shape (k,)
         Places of (i, j) and of (j, i) among the entries: for edge e,
         j = indices[upper[e]] and i = indices[lower[e]].
+    start : ndarray, shape (n + 1,)
+        Edges start[i] .. start[i + 1] - 1 have the lower end i; they are the
+        last entries of row i.
     first, opposite : ndarray, shapes (k + 1,) and (h,)
         opposite[first[e] : first[e + 1]] are the vertices opposite edge e,
         one for each of its faces.
@@ -65,33 +68,34 @@ class Pattern:
 
         # Each face has an edge opposite each corner: file it under its lower end.
         places = np.zeros((min(threads(), PARTS), n), dtype=integer)
-        self.collapsed = sum(_in_parts(_count, places, self.F)) > 0
-        bounds = _free_places(places)
+        faces = _cuts(len(self.F), len(places))
+        self.collapsed = sum(_in_parts(_count, places, faces, self.F)) > 0
+        bounds = np.empty(n + 1, dtype=integer)
+        _assign_places(places, np.zeros(n, dtype=integer), bounds)
         keys = np.empty(bounds[n], dtype=np.int64)
-        _in_parts(_file, places, self.F, keys)
+        _in_parts(_file, places, faces, self.F, keys)
 
         # Sorting brings equal edges together, and repeated faces are equal keys.
-        edges, opposites = np.zeros((2, n + 1), dtype=integer)
-        on_all_cores(_sort, n, bounds, keys, edges, opposites)
-        upper_count = edges[1:].copy()
-        np.cumsum(edges, out=edges)
+        self.start, opposites = np.zeros((2, n + 1), dtype=integer)
+        vertices = np.searchsorted(bounds, _cuts(len(keys), len(places)))
+        places[:] = 0
+        _in_parts(_sort, places, vertices, bounds, keys, self.start, opposites)
+
+        # Row j holds its lower ends i < j, then the higher ends of its own edges.
+        self.indptr = np.empty(n + 1, dtype=integer)
+        _assign_places(places, self.start[1:], self.indptr)
+        np.cumsum(self.start, out=self.start)
         np.cumsum(opposites, out=opposites)
-        k = edges[n]
-        higher = np.empty(k, dtype=integer)
+        k = self.start[n]
+        self.indices = np.empty(2 * k, dtype=integer)
+        self.upper, self.lower = np.empty((2, k), dtype=integer)
         self.first = np.empty(k + 1, dtype=integer)
         self.first[k] = opposites[n]
         self.opposite = np.empty(opposites[n], dtype=integer)
-        on_all_cores(
-            _list, n, bounds, keys, edges, opposites, higher, self.first, self.opposite
+        _in_parts(
+            _list, places, vertices, bounds, keys, self.start, opposites, self.indptr,
+            self.indices, self.upper, self.lower, self.first, self.opposite,
         )  # fmt: skip
-
-        # Row j holds its lower ends i < j, then the higher ends of its own edges.
-        places[:] = 0
-        _in_parts(_count_ends, places, edges, higher)
-        self.indptr = _free_places(places, upper_count)
-        self.indices = np.empty(2 * k, dtype=integer)
-        self.upper, self.lower = np.empty((2, k), dtype=integer)
-        _in_parts(_place, places, edges, higher, self.indptr, self.indices, self.upper, self.lower)
 
     def matrix(self, data):
         """The csr_array with these values in the order of its entries.
@@ -108,112 +112,124 @@ def index_type(*largest):
     return np.int32 if max(largest) <= np.iinfo(np.int32).max else np.int64
 
 
-def _in_parts(kernel, places, *arguments):
+def _cuts(count, parts):
+    """Where range(count) is cut into parts of the same length."""
+    return np.arange(parts + 1) * count // parts
+
+
+def _in_parts(kernel, places, cuts, *arguments):
     """Run a kernel that counts or files, each part of its rows with places of its own."""
-    return on_all_cores(kernel, len(places), places, *arguments, block=1)
-
-
-def _free_places(counts, more=0):
-    """Turn counts of each part and vertex into each part's first place for each vertex.
-
-    Vertex by vertex, and for a vertex part by part, then ``more`` empty places.
-    Returns where the places of each vertex begin, shape (n + 1,).
-    """
-    before = np.cumsum(counts, axis=0, dtype=counts.dtype)
-    bounds = np.zeros(counts.shape[1] + 1, dtype=counts.dtype)
-    np.cumsum(before[-1] + more, out=bounds[1:])
-    np.subtract(bounds[:-1] + before, counts, out=counts)
-    return bounds
+    return on_all_cores(kernel, len(places), places, cuts, *arguments, block=1)
 
 
 @compiled
-def _count(first, last, count, F):
+def _assign_places(counts, more, bounds):
+    """Turn counts of each part and vertex into each part's first place for each vertex.
+
+    Vertex by vertex, and for a vertex part by part, then ``more`` places;
+    ``bounds`` is where those of each vertex begin.
+    """
+    place = 0
+    for i in range(len(more)):
+        bounds[i] = place
+        for part in range(len(counts)):
+            count = counts[part, i]
+            counts[part, i] = place
+            place += count
+        place += more[i]
+    bounds[len(more)] = place
+
+
+@compiled
+def _count(first, last, count, cuts, F):
     """Count the half-edges under their lower ends; return the number of collapsed faces."""
     collapsed = 0
     for part in range(first, last):
-        for f in range(part * len(F) // len(count), (part + 1) * len(F) // len(count)):
-            a, b, c = F[f, 0], F[f, 1], F[f, 2]
-            collapsed += a == b or b == c or c == a
-            for i, j in ((b, c), (c, a), (a, b)):
-                if i != j:
-                    count[part, min(i, j)] += 1
+        for f in range(cuts[part], cuts[part + 1]):
+            low = min(F[f, 0], F[f, 1], F[f, 2])
+            high = max(F[f, 0], F[f, 1], F[f, 2])
+            middle = F[f, 0] + F[f, 1] + F[f, 2] - low - high
+            count[part, low] += (low != middle) + (low != high)
+            count[part, middle] += middle != high
+            collapsed += low == middle or middle == high
     return collapsed
 
 
 @compiled
-def _file(first, last, place, F, keys):
+def _file(first, last, place, cuts, F, keys):
     """Write the key (higher end, opposite vertex) of each half-edge under its lower end."""
     for part in range(first, last):
-        for f in range(part * len(F) // len(place), (part + 1) * len(F) // len(place)):
-            a, b, c = F[f, 0], F[f, 1], F[f, 2]
-            for i, j, k in ((b, c, a), (c, a, b), (a, b, c)):
-                if i != j:
-                    low = min(i, j)
-                    keys[place[part, low]] = max(i, j) << 32 | k
-                    place[part, low] += 1
-
-
-@compiled
-def _sort(first, last, bounds, keys, edge_count, opposite_count):
-    """Sort each vertex's keys (shell sort), and count its edges and its different keys."""
-    for i in range(first, last):
-        start, stop = bounds[i], bounds[i + 1]
-        gap = 1
-        while 3 * gap + 1 < stop - start:
-            gap = 3 * gap + 1
-        while gap > 0:
-            for p in range(start + gap, stop):
-                key, q = keys[p], p
-                while q >= start + gap and keys[q - gap] > key:
-                    keys[q] = keys[q - gap]
-                    q -= gap
-                keys[q] = key
-            gap //= 3
-        previous = -1
-        for p in range(start, stop):
-            edge_count[i + 1] += keys[p] >> 32 != previous >> 32
-            opposite_count[i + 1] += keys[p] != previous
-            previous = keys[p]
-
-
-@compiled
-def _list(first, last, bounds, keys, edge, slot, higher, first_opposite, opposite):
-    """Write each edge's higher end, and the vertices opposite it, to the lists' places."""
-    for i in range(first, last):
-        e, s = edge[i], slot[i]
-        previous = -1
-        for p in range(bounds[i], bounds[i + 1]):
-            key = keys[p]
-            if key >> 32 != previous >> 32:
-                higher[e] = key >> 32
-                first_opposite[e] = s
-                e += 1
-            if key != previous:
-                opposite[s] = key & 0xFFFFFFFF
-                s += 1
-            previous = key
-
-
-@compiled
-def _count_ends(first, last, count, edges, higher):
-    """Count for each vertex the edges of which it is the higher end."""
-    n = len(edges) - 1
-    for part in range(first, last):
-        for e in range(edges[part * n // len(count)], edges[(part + 1) * n // len(count)]):
-            count[part, higher[e]] += 1
-
-
-@compiled
-def _place(first, last, below, edges, higher, indptr, indices, upper, lower):
-    """Write each edge (i, j) to its two entries; below[j] is the next free one in row j."""
-    n = len(edges) - 1
-    for part in range(first, last):
-        for i in range(part * n // len(below), (part + 1) * n // len(below)):
-            p = indptr[i + 1] - (edges[i + 1] - edges[i])
-            for e in range(edges[i], edges[i + 1]):
-                j = higher[e]
-                q = below[part, j]
-                below[part, j] += 1
-                indices[p], indices[q] = j, i
-                upper[e], lower[e] = p, q
+        for f in range(cuts[part], cuts[part + 1]):
+            low = min(F[f, 0], F[f, 1], F[f, 2])
+            high = max(F[f, 0], F[f, 1], F[f, 2])
+            middle = F[f, 0] + F[f, 1] + F[f, 2] - low - high
+            p = place[part, low]
+            if low != middle:
+                keys[p] = middle << 32 | high
                 p += 1
+            if low != high:
+                keys[p] = high << 32 | middle
+                p += 1
+            place[part, low] = p
+            if middle != high:
+                keys[place[part, middle]] = high << 32 | low
+                place[part, middle] += 1
+
+
+@compiled
+def _sort(first, last, count, cuts, bounds, keys, edge_count, opposite_count):
+    """Sort each vertex's keys (shell sort); count its edges, at either end, and different keys."""
+    for part in range(first, last):
+        for i in range(cuts[part], cuts[part + 1]):
+            start, stop = bounds[i], bounds[i + 1]
+            gap = 1
+            while 16 * gap < stop - start:  # few keys need no larger gap than 1
+                gap = 3 * gap + 1
+            while gap > 0:
+                for p in range(start + gap, stop):
+                    key, q = keys[p], p
+                    while q >= start + gap and keys[q - gap] > key:
+                        keys[q] = keys[q - gap]
+                        q -= gap
+                    keys[q] = key
+                gap //= 3
+            edges, opposites, previous = 0, 0, -1
+            for p in range(start, stop):
+                key = keys[p]
+                if key >> 32 != previous >> 32:
+                    edges += 1
+                    count[part, key >> 32] += 1
+                opposites += key != previous
+                previous = key
+            edge_count[i + 1], opposite_count[i + 1] = edges, opposites
+
+
+@compiled
+def _list(
+    first, last, below, cuts, bounds, keys, edge, slot, indptr,
+    indices, upper, lower, first_opposite, opposite,
+):  # fmt: skip
+    """Write each edge (i, j) to its two entries, and the vertices opposite it to their list.
+
+    below[part, j] is the next free entry in row j.
+    """
+    for part in range(first, last):
+        for i in range(cuts[part], cuts[part + 1]):
+            e, s = edge[i], slot[i]
+            p = indptr[i + 1] - (edge[i + 1] - e)
+            previous = -1
+            for at in range(bounds[i], bounds[i + 1]):
+                key = keys[at]
+                j = key >> 32
+                if j != previous >> 32:
+                    q = below[part, j]
+                    below[part, j] = q + 1
+                    indices[p], indices[q] = j, i
+                    upper[e], lower[e] = p, q
+                    first_opposite[e] = s
+                    p += 1
+                    e += 1
+                if key != previous:
+                    opposite[s] = key & 0xFFFFFFFF
+                    s += 1
+                previous = key

@@ -123,37 +123,43 @@ def cotangent(V, F, *, negative="keep"):
     least = 0.0 if negative == "clamp" else -np.inf
     W = np.empty(len(P.indices))
     flat = on_all_cores(
-        _fill_cotangent, len(P.upper), V, P.indices, P.upper, P.lower, P.first, P.opposite, least, W
-    )
+        _fill_cotangent, len(V), V, P.indptr, P.indices, P.start, P.lower, P.first, P.opposite,
+        least, W,
+    )  # fmt: skip
     if P.collapsed or sum(flat):
         _warn_of_degenerate_faces(V, P.F)
     return P.matrix(W)
 
 
 @compiled
-def _fill_cotangent(first, last, V, indices, upper, lower, first_opposite, opposite, least, W):
+def _fill_cotangent(
+    first, last, V, indptr, indices, start, lower, first_opposite, opposite, least, W
+):
     """For each edge (i, j) add cot = u . v / |u x v| over the vertices k opposite it."""
     flat = 0
-    for e in range(first, last):
-        i, j = indices[lower[e]], indices[upper[e]]
-        ex, ey, ez = V[j, 0] - V[i, 0], V[j, 1] - V[i, 1], V[j, 2] - V[i, 2]
-        cotangents = 0.0
-        for s in range(first_opposite[e], first_opposite[e + 1]):
-            k = opposite[s]
-            ux, uy, uz = V[i, 0] - V[k, 0], V[i, 1] - V[k, 1], V[i, 2] - V[k, 2]
-            vx, vy, vz = V[j, 0] - V[k, 0], V[j, 1] - V[k, 1], V[j, 2] - V[k, 2]
-            nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
-            doubled_area = np.sqrt(nx * nx + ny * ny + nz * nz)
-            longest = max(
-                ux * ux + uy * uy + uz * uz,
-                vx * vx + vy * vy + vz * vz,
-                ex * ex + ey * ey + ez * ez,
-            )
-            if doubled_area <= DEGENERATE * longest:  # see mesh.degenerate_faces
-                flat += 1
-            else:
-                cotangents += (ux * vx + uy * vy + uz * vz) / doubled_area
-        W[upper[e]] = W[lower[e]] = max(least, cotangents / 2)
+    for i in range(first, last):
+        p = indptr[i + 1] - (start[i + 1] - start[i])
+        for e in range(start[i], start[i + 1]):
+            j = indices[p]
+            ex, ey, ez = V[j, 0] - V[i, 0], V[j, 1] - V[i, 1], V[j, 2] - V[i, 2]
+            cotangents = 0.0
+            for s in range(first_opposite[e], first_opposite[e + 1]):
+                k = opposite[s]
+                ux, uy, uz = V[i, 0] - V[k, 0], V[i, 1] - V[k, 1], V[i, 2] - V[k, 2]
+                vx, vy, vz = V[j, 0] - V[k, 0], V[j, 1] - V[k, 1], V[j, 2] - V[k, 2]
+                nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+                doubled_area = np.sqrt(nx * nx + ny * ny + nz * nz)
+                longest = max(
+                    ux * ux + uy * uy + uz * uz,
+                    vx * vx + vy * vy + vz * vz,
+                    ex * ex + ey * ey + ez * ez,
+                )
+                if doubled_area <= DEGENERATE * longest:  # see mesh.degenerate_faces
+                    flat += 1
+                else:
+                    cotangents += (ux * vx + uy * vy + uz * vz) / doubled_area
+            W[p] = W[lower[e]] = max(least, cotangents / 2)
+            p += 1
     return flat
 
 
