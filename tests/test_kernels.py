@@ -146,6 +146,17 @@ def test_long_indices(monkeypatch):
     same_matrix(weights.cotangent(V, P), W)
 
 
+def test_flows_with_long_indices(monkeypatch):
+    V, F = torus()
+    A = operators.averaging(weights.distance(V, F))
+    long = A.copy()
+    long.indptr, long.indices = A.indptr.astype(np.int64), A.indices.astype(np.int64)
+    monkeypatch.setattr(flow, "VERTICES_WORTH_ORDERING", 0)
+    for found, wanted in zip(flows(V, long, V + 1), flows(V, A, V + 1), strict=True):
+        np.testing.assert_array_equal(found, wanted)
+    assert ordering.nearby(long)[1].indptr.dtype == np.int64
+
+
 def flows(V, A, V_clean, **options):
     return [
         flow.average(V, A, 12, **options),

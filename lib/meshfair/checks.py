@@ -62,8 +62,8 @@ def check_vertices(V, name="V"):
     V = np.ascontiguousarray(V, dtype=np.float64)
     if not len(V):
         raise MeshError(f"{name} has no vertices; a mesh needs at least three")
-    # One pass decides (NaN compares as False); only a bad array is searched.
-    if not np.abs(V).max() <= LARGEST_COORDINATE:
+    # NaN compares as False. Only a bad array is searched.
+    if not (-LARGEST_COORDINATE <= V.min() and V.max() <= LARGEST_COORDINATE):
         row, column = np.argwhere(~(np.abs(V) <= LARGEST_COORDINATE))[0]
         raise MeshError(
             f"{name}: vertex {row} has {'xyz'[column]} = {V[row, column]}; coordinates must be "

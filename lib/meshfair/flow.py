@@ -14,7 +14,7 @@ from meshfair.checks import (
     check_same_vertices,
     check_vertices,
 )
-from meshfair.kernels import compiled, on_all_cores
+from meshfair.kernels import compiled, on_all_cores, unsigned
 from meshfair.operators import check_operator, pinned, stable_step
 
 # From so many steps on, on a mesh whose positions outgrow the caches, ordering
@@ -206,7 +206,8 @@ def _snr_curve(V_noisy, V_clean, A, tau, time, rebuild, fixed):
 def _step(A, V, held, tau, V_next, V_clean=None):
     """Write one step of the flow to V_next; return sum_i |v_i - v_clean_i| after it."""
     V_clean = np.empty((0, 3)) if V_clean is None else V_clean
-    parts = on_all_cores(_flow, len(V), A.indptr, A.indices, A.data, V, held, tau, V_next, V_clean)
+    A_rows = (*unsigned(A.indptr, A.indices), A.data)
+    parts = on_all_cores(_flow, len(V), *A_rows, V, held, tau, V_next, V_clean)
     return sum(parts)
 
 
@@ -252,7 +253,7 @@ def _in_order(order, *of_vertices):
     """Arrays with a row for each vertex, in this order of the vertices."""
     if order is None:
         return of_vertices
-    return tuple(np.take(X, order, axis=0) for X in of_vertices)
+    return tuple(ordering.take(X, order) for X in of_vertices)
 
 
 def _checked(V, A, tau, time, rebuild, fixed):

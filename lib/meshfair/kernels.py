@@ -56,6 +56,23 @@ def compiled(kernel):
     return call
 
 
+def unsigned(*indices):
+    """Index arrays as unsigned integers, in the same memory.
+
+    numba asks of every signed index whether it is negative and counts from the
+    end, as in NumPy. In a kernel that gathers, that takes as long as all else.
+
+    Parameters
+    ----------
+    *indices : ndarray of integers, all at least 0
+
+    Returns
+    -------
+    list of ndarray
+    """
+    return [index.view(index.dtype.str.replace("i", "u")) for index in indices]
+
+
 @functools.cache
 def threads():
     """How many cores to use: those this process may use, or NUMBA_NUM_THREADS."""

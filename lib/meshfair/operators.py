@@ -5,7 +5,7 @@ from scipy.sparse import csr_array, diags_array, eye_array
 from scipy.sparse.linalg import eigs
 
 from meshfair.checks import MeshError, check_mesh
-from meshfair.kernels import compiled, on_all_cores
+from meshfair.kernels import compiled, on_all_cores, unsigned
 
 # Below this size a dense eigenvalue problem is quicker and exact.
 DENSE = 100
@@ -17,9 +17,17 @@ def _square(A, name):
     if len(shape) != 2 or shape[0] != shape[1]:
         raise MeshError(f"{name} has shape {shape}; give a square sparse matrix")
     A = csr_array(A)
-    if not np.isfinite(A.data).all():
+    if sum(on_all_cores(_count_not_finite, A.nnz, A.data)):
         raise MeshError(f"{name} holds NaN or infinite entries; build it from a checked mesh")
     return A
+
+
+@compiled
+def _count_not_finite(first, last, A):
+    count = 0
+    for p in range(first, last):
+        count += not np.isfinite(A[p])
+    return count
 
 
 def pinned(fixed, n):
@@ -72,7 +80,7 @@ def check_operator(A, n):
             "build it from the same mesh"
         )
     A = csr_array(_square(A, "A"), dtype=np.float64)
-    if A.nnz and not 0 <= A.indices.min() <= A.indices.max() < n:
+    if A.nnz and unsigned(A.indices)[0].max() >= n:
         raise MeshError("A has an entry in a column that it does not have; build it anew")
     return A
 
@@ -114,7 +122,7 @@ def averaging(W):
     W = _square(W, "W")
     data = np.empty(len(W.data))
     isolated = np.empty(W.shape[0], dtype=bool)
-    on_all_cores(_divide_by_degree, len(isolated), W.indptr, W.data, data, isolated)
+    on_all_cores(_divide_by_degree, len(isolated), *unsigned(W.indptr), W.data, data, isolated)
     A = csr_array((data, W.indices.copy(), W.indptr.copy()), shape=W.shape)
     return csr_array(A + diags_array(isolated.astype(float))) if isolated.any() else A
 

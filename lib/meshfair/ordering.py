@@ -13,7 +13,7 @@ breadth-first, the same step is several times as fast on a million vertices:
 import numpy as np
 from scipy.sparse import csr_array
 
-from meshfair.kernels import compiled
+from meshfair.kernels import compiled, on_all_cores, unsigned
 
 
 def nearby(A):
@@ -33,13 +33,17 @@ def nearby(A):
         a_order[r],order[s]. Each row keeps its entries in the order they had,
         so that sums over them are the same to the last digit.
     """
-    n = A.shape[0]
-    order = np.empty(n, dtype=A.indices.dtype)
-    indptr = np.zeros_like(A.indptr)
-    indices, data = np.empty_like(A.indices), np.empty_like(A.data)
+    indptr, indices = unsigned(A.indptr, A.indices)
+    order = np.empty(len(indptr) - 1, dtype=A.indices.dtype)
     place = np.full_like(order, -1)
-    _breadth_first(A.indptr, A.indices, A.data, order, place, indptr, indices, data)
-    return order, csr_array((data, indices, indptr), shape=A.shape)
+    near_indptr = np.zeros_like(indptr)
+    _breadth_first(indptr, indices, order, place, near_indptr)
+    near_indices, data = np.empty_like(A.indices), np.empty_like(A.data)
+    on_all_cores(
+        _reorder, len(order), indptr, indices, A.data, *unsigned(order, place, near_indptr),
+        near_indices, data,
+    )  # fmt: skip
+    return order, csr_array((data, near_indices, near_indptr.view(A.indptr.dtype)), shape=A.shape)
 
 
 def rank(order):
@@ -49,23 +53,42 @@ def rank(order):
     return place
 
 
+def take(X, order):
+    """The rows of an array in this order, copied by all cores."""
+    rows = np.empty_like(X, shape=(len(order), *X.shape[1:]))
+    on_all_cores(_take, len(order), X, order, rows)
+    return rows
+
+
+def _take(first, last, X, order, rows):
+    # "clip": straight to where it belongs; NumPy would raise errors from a copy.
+    np.take(X, order[first:last], axis=0, out=rows[first:last], mode="clip")
+
+
 @compiled
-def _breadth_first(indptr, indices, A, order, place, near_indptr, near_indices, near_A):
-    """Follow the graph; a vertex' row is written when all its neighbours have their places."""
-    head = tail = q = 0
+def _breadth_first(indptr, indices, order, place, near_indptr):
+    """Follow the graph, component by component; write where each vertex' row will begin."""
+    head = tail = 0
     for seed in range(len(order)):
         if place[seed] >= 0:
             continue
         order[tail], place[seed] = seed, tail
         tail += 1
-        while head < tail:  # all of the seed's component
+        while head < tail:
             i = order[head]
             for p in range(indptr[i], indptr[i + 1]):
                 j = indices[p]
                 if place[j] < 0:
                     order[tail], place[j] = j, tail
                     tail += 1
-                near_indices[q], near_A[q] = place[j], A[p]
-                q += 1
+            near_indptr[head + 1] = near_indptr[head] + (indptr[i + 1] - indptr[i])
             head += 1
-            near_indptr[head] = q
+
+
+@compiled
+def _reorder(first, last, indptr, indices, A, order, place, near_indptr, near_indices, near_A):
+    for r in range(first, last):
+        start = indptr[order[r]]
+        for q in range(near_indptr[r], near_indptr[r + 1]):
+            p = start + (q - near_indptr[r])
+            near_indices[q], near_A[q] = place[indices[p]], A[p]

@@ -16,7 +16,7 @@ import numpy as np
 
 from meshfair.checks import MeshError, MeshWarning, check_vertices
 from meshfair.intrinsic import cotangent as intrinsic
-from meshfair.kernels import compiled, on_all_cores
+from meshfair.kernels import compiled, on_all_cores, unsigned
 from meshfair.mesh import DEGENERATE, degenerate_faces, unique_faces
 from meshfair.pattern import Pattern
 
@@ -68,7 +68,7 @@ def distance(V, F):
     V = check_vertices(V)
     pattern = _pattern(F, len(V))
     W = np.empty(len(pattern.indices))
-    on_all_cores(_fill_distance, len(V), V, pattern.indptr, pattern.indices, W)
+    on_all_cores(_fill_distance, len(V), V, *unsigned(pattern.indptr, pattern.indices), W)
     return pattern.matrix(W)
 
 
@@ -123,8 +123,8 @@ def cotangent(V, F, *, negative="keep"):
     least = 0.0 if negative == "clamp" else -np.inf
     W = np.empty(len(P.indices))
     flat = on_all_cores(
-        _fill_cotangent, len(V), V, P.indptr, P.indices, P.start, P.lower, P.first, P.opposite,
-        least, W,
+        _fill_cotangent, len(V), V,
+        *unsigned(P.indptr, P.indices, P.start, P.lower, P.first, P.opposite), least, W,
     )  # fmt: skip
     if P.collapsed or sum(flat):
         _warn_of_degenerate_faces(V, P.F)
@@ -138,8 +138,8 @@ def _fill_cotangent(
     """For each edge (i, j) add cot = u . v / |u x v| over the vertices k opposite it."""
     flat = 0
     for i in range(first, last):
-        p = indptr[i + 1] - (start[i + 1] - start[i])
         for e in range(start[i], start[i + 1]):
+            p = indptr[i + 1] - (start[i + 1] - e)  # the edges are the last entries of row i
             j = indices[p]
             ex, ey, ez = V[j, 0] - V[i, 0], V[j, 1] - V[i, 1], V[j, 2] - V[i, 2]
             cotangents = 0.0
@@ -159,7 +159,6 @@ def _fill_cotangent(
                 else:
                     cotangents += (ux * vx + uy * vy + uz * vz) / doubled_area
             W[p] = W[lower[e]] = max(least, cotangents / 2)
-            p += 1
     return flat
 
 
