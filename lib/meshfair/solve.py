@@ -6,7 +6,7 @@ from scipy.sparse.linalg import splu
 
 from meshfair import ordering
 from meshfair.checks import MeshError, check_number, check_vertices
-from meshfair.kernels import compiled, on_all_cores
+from meshfair.kernels import compiled, on_all_cores, unsigned
 from meshfair.multigrid import Multigrid
 from meshfair.operators import pinned
 
@@ -17,7 +17,7 @@ DIRECT = 5_000
 DIRECT_WHEN_STIFF = 25_000
 # (M + t L has row sums M: so small a part of the diagonal is left at t = 30 squared edges.)
 STIFF = 0.01
-# Multigrid needs 15 to 50 iterations on meshes; so many more mean that something is wrong.
+# Multigrid needs 10 to 50 iterations on meshes; so many more mean that something is wrong.
 ITERATIONS = 500
 
 
@@ -201,13 +201,14 @@ def _conjugate_gradients(A, multigrid, B, X, tolerance):
         return 0
     R_single = (R / largest).astype(np.float32)  # so that it stays in range
     P, AP = np.zeros((2, *R.shape))
+    A_rows = (*unsigned(A.indptr, A.indices), A.data)
     zr = np.ones(3)
     for step in range(1, ITERATIONS + 1):
         zr_before = zr
         Z, zr = multigrid.cycle(R_single)
         zr *= largest
         on_all_cores(_turn, len(P), Z, _ratio(zr, zr_before), P)
-        pap = _sums(on_all_cores(_multiply, len(P), A.indptr, A.indices, A.data, P, AP))
+        pap = _sums(on_all_cores(_multiply, len(P), *A_rows, P, AP))
         if not np.all(pap >= 0):  # A is not positive definite, or all is NaN
             return step
         rr = _sums(
