@@ -123,6 +123,30 @@ def test_stable_step_separates_decay_from_growth(rng):
     assert size_after(1.01 * bound) > np.abs(x).max() * 1e6
 
 
+def test_what_is_surely_stable_is_stable(rng):
+    V, F = shapes.icosphere(3)
+    for size in (0, 0.2, 0.5):
+        V_noisy = noise.gaussian(V, F, size, rng)
+        M = operators.mass(V_noisy, F)
+        for W in all_weights(V_noisy, F).values():
+            for A in (operators.averaging(W), operators.diffusion(W, M)):
+                bound = operators.stable_step(A)
+                assert not operators.surely_stable(A, 1.002 * bound)
+                assert operators.surely_stable(A, 0.6 * bound)
+
+
+def test_the_step_of_the_identity_and_of_any_unit():
+    one = csr_array(np.eye(200))
+    assert operators.stable_step(one) == np.inf
+    assert operators.surely_stable(one, 1e300)
+    V, F = shapes.icosphere(3)
+    steps = []
+    for s in (1, 1e-30):
+        A = operators.diffusion(weights.cotangent(s * V, F), operators.mass(s * V, F))
+        steps.append(operators.stable_step(A))
+    assert steps[1] == pytest.approx(1e-60 * steps[0], rel=2e-3)
+
+
 def test_diffusion_of_a_flat_mesh_moves_no_inner_vertex(rng):
     V, F = grid(6, irregular=rng)
     A = operators.diffusion(weights.cotangent(V, F), operators.mass(V, F))

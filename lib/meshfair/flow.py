@@ -15,7 +15,7 @@ from meshfair.checks import (
     check_vertices,
 )
 from meshfair.kernels import compiled, on_all_cores, unsigned
-from meshfair.operators import check_operator, pinned, stable_step
+from meshfair.operators import check_operator, pinned, stable_step, surely_stable
 
 # From so many steps on, on a mesh whose positions outgrow the caches, ordering
 # the vertices for locality first is repaid.
@@ -278,6 +278,8 @@ def _checked(V, A, tau, time, rebuild, fixed):
 def _warn_if_unstable(A, tau, stacklevel):
     if 0 < tau <= 1 and (not A.nnz or A.data.min() >= 0):
         return  # every new vertex is a mean of old ones: nothing can grow
+    if 0 < tau <= 1 and surely_stable(A, tau):
+        return
     bound = stable_step(A)
     if 0 < tau <= 1 and tau <= bound * (1 + 1e-3):  # the accuracy of the bound
         return

@@ -2,13 +2,15 @@
 
 import numpy as np
 from scipy.sparse import csr_array, diags_array, eye_array
-from scipy.sparse.linalg import eigs
+from scipy.sparse.linalg import LinearOperator, eigs
 
 from meshfair.checks import MeshError, check_mesh
 from meshfair.kernels import compiled, on_all_cores, unsigned
 
 # Below this size a dense eigenvalue problem is quicker and exact.
 DENSE = 100
+# Bounds on the eigenvalues that are tried before they are estimated.
+BOUNDS = 6
 
 
 def _square(A, name):
@@ -266,12 +268,84 @@ def stable_step(A):
     A = _square(A, "A")
     n = A.shape[0]
     N = csr_array(eye_array(n) - A)
+    size = np.abs(N.data).max(initial=0)
+    if size == 0:
+        return np.inf
     if n <= DENSE:
-        mu = np.linalg.eigvals(N.toarray())
+        mu = np.linalg.eigvals(N.toarray() / size)
         mu = mu[np.argmax(np.abs(mu))]
     else:
+        # Single precision is enough for three digits, and few vectors for one eigenvalue.
+        N_rows = (*unsigned(N.indptr, N.indices), (N.data / size).astype(np.float32))
+
+        def product(x):
+            y = np.empty_like(x)
+            on_all_cores(_multiply, n, *N_rows, x, y)
+            return y
+
         start = np.random.default_rng(0).standard_normal(n)  # the same answer every time
-        mu = eigs(N, k=1, which="LM", v0=start, tol=1e-3, return_eigenvectors=False)[0]
+        mu = eigs(
+            LinearOperator((n, n), matvec=product, dtype=np.float32),
+            k=1, which="LM", v0=start.astype(np.float32), ncv=8, tol=1e-3,
+            return_eigenvectors=False,
+        )[0]  # fmt: skip
     if mu == 0:
         return np.inf
-    return float(max(0.0, 2 * mu.real / abs(mu) ** 2))
+    return float(max(0.0, 2 * mu.real / abs(mu) ** 2)) / float(size)
+
+
+@compiled
+def _multiply(first, last, indptr, indices, N, x, y):
+    for i in range(first, last):
+        total = x[i] * 0  # of its type
+        for p in range(indptr[i], indptr[i + 1]):
+            total += N[p] * x[indices[p]]
+        y[i] = total
+
+
+def surely_stable(A, tau):
+    """Whether a bound that costs a few products shows a step to be stable.
+
+    For every x > 0 the spectral radius of N = I - A is at most the largest
+    (|N| x)_i / x_i, by Collatz and Wielandt; x = 1 gives Gershgorin's bound,
+    and x + |N| x / bound a better one. Where the eigenvalues of N are real and
+    not negative, as for the averaging and diffusion operators of cotangent and
+    of nonnegative weights, a step is stable if the bound is at most 2 / tau.
+
+    Parameters
+    ----------
+    A : csr_array of float64, shape (n, n)
+        Averaging or diffusion operator.
+    tau : float
+        Time step, above 0.
+
+    Returns
+    -------
+    bool
+        False means that the bound does not tell; see `stable_step`.
+    """
+    A_rows = (*unsigned(A.indptr, A.indices), A.data)
+    x, y = np.ones((2, A.shape[0]))
+    for _ in range(BOUNDS):
+        bound = max(on_all_cores(_bound, len(x), *A_rows, x, y))
+        if bound <= 2 / tau:
+            return True
+        x += y / bound
+    return False
+
+
+@compiled
+def _bound(first, last, indptr, indices, A, x, y):
+    """y = |I - A| x; return the largest y_i / x_i."""
+    largest = 0.0
+    for i in range(first, last):
+        diagonal, others = 1.0, 0.0
+        for p in range(indptr[i], indptr[i + 1]):
+            j = indices[p]
+            if i == j:
+                diagonal -= A[p]
+            else:
+                others += abs(A[p]) * x[j]
+        y[i] = abs(diagonal) * x[i] + others
+        largest = max(largest, y[i] / x[i])
+    return largest
