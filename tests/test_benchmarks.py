@@ -24,6 +24,7 @@ def test_a_quick_benchmark_agrees_and_writes_its_tables(tmp_path):
     for row in measured:
         assert row["agrees"] in ("True", "not the same"), row
         assert float(row["seconds"]) > 0
+        assert row["rounds"] == "1"
     assert [row["vertices"] for row in rows(tmp_path / "scaling.csv")] == ["600", "2400"]
     assert {"processor", "cores", "numba"} <= {
         row["what"] for row in rows(tmp_path / "machine.csv")
