@@ -183,6 +183,11 @@ def test_bad_matrices(function):
         function(csr_array([[0, np.nan], [1, 0]]))
 
 
+def test_weights_whose_squares_overflow():
+    W = csr_array([[0, 1e200], [1e200, 0]])
+    np.testing.assert_array_equal(operators.averaging(W).toarray(), [[0, 1], [1, 0]])
+
+
 def test_sizes_that_do_not_fit():
     V, F = shapes.icosphere(1)
     with pytest.raises(MeshError, match="build both from one mesh"):

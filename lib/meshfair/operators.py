@@ -19,17 +19,12 @@ def _square(A, name):
     if len(shape) != 2 or shape[0] != shape[1]:
         raise MeshError(f"{name} has shape {shape}; give a square sparse matrix")
     A = csr_array(A)
-    if sum(on_all_cores(_count_not_finite, A.nnz, A.data)):
+    # A sum of squares is finite only if all are: it takes no copy. It may overflow, though.
+    with np.errstate(over="ignore", invalid="ignore"):
+        finite = np.isfinite(np.dot(A.data, A.data))
+    if not finite and not np.isfinite(A.data).all():
         raise MeshError(f"{name} holds NaN or infinite entries; build it from a checked mesh")
     return A
-
-
-@compiled
-def _count_not_finite(first, last, A):
-    count = 0
-    for p in range(first, last):
-        count += not np.isfinite(A[p])
-    return count
 
 
 def pinned(fixed, n):
