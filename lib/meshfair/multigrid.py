@@ -27,7 +27,7 @@ from scipy.sparse.linalg import splu
 
 from meshfair.kernels import BLOCK, compiled, on_all_cores, unsigned
 
-# An aggregate has about eight vertices.
+# An aggregate has about ten vertices.
 BLOCK_OF_AGGREGATES = BLOCK // 8
 # Graphs of this size and below are solved directly.
 COARSEST = 300
@@ -109,7 +109,10 @@ class Multigrid:
 
 
 def _chebyshev(steps, low, high):
-    """Factors (momentum, scale) of Chebyshev's steps for a spectrum in [low, high]."""
+    """Factors (momentum, scale) of Chebyshev's steps for a spectrum in [low, high].
+
+    With them z+ = z + momentum (z - z_before) + scale D^-1 (r - A z), see `_smooth`.
+    """
     middle, radius = (high + low) / 2, (high - low) / 2
     momentum, rho = 0.0, radius / middle
     scale = 1 / middle

@@ -54,7 +54,18 @@ def rank(order):
 
 
 def take(X, order):
-    """The rows of an array in this order, copied by all cores."""
+    """The rows of an array in this order, copied by all cores.
+
+    Parameters
+    ----------
+    X : ndarray, shape (n, ...)
+    order : ndarray of integers, shape (k,)
+        Each in 0 .. n - 1, which is not checked.
+
+    Returns
+    -------
+    ndarray of the type of ``X``, shape (k, ...)
+    """
     rows = np.empty_like(X, shape=(len(order), *X.shape[1:]))
     on_all_cores(_take, len(order), X, order, rows)
     return rows

@@ -75,7 +75,8 @@ class Pattern:
         keys = np.empty(bounds[n], dtype=np.int64)
         _in_parts(_file, places, faces, self.F, keys)
 
-        # Sorting brings equal edges together, and repeated faces are equal keys.
+        # Sorting brings equal edges together, and repeated faces are equal keys. Parts have as
+        # many keys, not as many vertices: the first vertices are the lower ends of more edges.
         self.start, opposites = np.zeros((2, n + 1), dtype=integer)
         vertices = np.searchsorted(bounds, _cuts(len(keys), len(places)))
         places[:] = 0
