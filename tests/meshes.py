@@ -3,7 +3,7 @@
 import numpy as np
 from hypothesis import strategies as st
 
-from meshfair import shapes
+from meshfair import io, shapes
 
 # One right isosceles triangle: angles 90 (at vertex 0), 45 and 45 degrees.
 RIGHT_TRIANGLE = (np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]]))
@@ -55,3 +55,10 @@ def rigid_motions(draw):
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     Q, _ = np.linalg.qr(rng.standard_normal((3, 3)))
     return Q * np.sign(np.linalg.det(Q)), rng.standard_normal(3)
+
+
+def pair(mirror, name):
+    """A public pair of GuidedDenoising: noisy and clean positions, faces."""
+    V_noisy, F = io.read(mirror / f"GuidedDenoising-{name}-Noisy.obj")
+    V, _ = io.read(mirror / f"GuidedDenoising-{name}-Original.obj")
+    return V_noisy, V, F

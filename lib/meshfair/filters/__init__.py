@@ -6,16 +6,18 @@ done, and positions; the last ones are the result:
     *_, (_, V_new) = filters.bilateral_normal(V, F)
 """
 
-from meshfair.filters.bilateral import bilateral
 from meshfair.filters.diffusion import averaging, heat, implicit, regularised, taubin
+from meshfair.filters.features import feature_convinced
 from meshfair.filters.guided import guided_normal
-from meshfair.filters.l0 import l0
+from meshfair.filters.minimisation import l0
 from meshfair.filters.normals import bilateral_normal, sun
+from meshfair.filters.vertices import bilateral
 
 __all__ = [
     "averaging",
     "bilateral",
     "bilateral_normal",
+    "feature_convinced",
     "guided_normal",
     "heat",
     "implicit",

@@ -5,10 +5,16 @@ from scipy.sparse import csr_array
 
 from meshfair.checks import check_mesh, check_number
 from meshfair.filters.arguments import check_count, held_vertices
-from meshfair.filters.neighbours import BLOCK, adjacent_faces, face_rings, incidence, within
+from meshfair.filters.neighbours import (
+    BLOCK,
+    adjacent_faces,
+    face_rings,
+    face_shapes,
+    incidence,
+    within,
+)
 from meshfair.filters.normals import joint_bilateral, mean_distance, move_vertices
 from meshfair.kernels import compiled, on_all_cores
-from meshfair.mesh import face_areas, face_normals
 
 # Keeps the saliency of a flat patch finite; differences of unit normals are of size 1.
 FLAT = 1e-9
@@ -68,10 +74,10 @@ def guided_normal(
     R = face_rings(B)
     pairs = adjacent_faces(R)
     across = csr_array(R == 2)
-    C = V[F].mean(axis=1)
+    _, _, C = face_shapes(V, F)
     near = within(C, R, np.full(len(F), radius * mean_distance(C, pairs)))
     for step in range(1, iterations + 1):
-        C, area, N = V[F].mean(axis=1), face_areas(V, F), face_normals(V, F)
+        N, area, C = face_shapes(V, F)
         G = guidance(R, across, N, area)
         sigma_c = sigma_space * mean_distance(C, pairs)
         N = joint_bilateral(near, N, G, C, area, sigma_normal, sigma_c)
@@ -151,7 +157,7 @@ def _patches(first, last, start, ring, start_across, across, N, area, consistenc
                     difference = np.sqrt(dx * dx + dy * dy + dz * dz)
                     strongest = max(strongest, difference)
                     total += difference
-        consistency[i] = np.sqrt(widest) * strongest / (1e-9 + total)
+        consistency[i] = np.sqrt(widest) * strongest / (FLAT + total)
         length = np.sqrt(x * x + y * y + z * z)
         scale = 1 / length if length > 0 else 0.0
         mean[i, 0], mean[i, 1], mean[i, 2] = x * scale, y * scale, z * scale

@@ -13,11 +13,15 @@ import numpy as np
 
 from meshfair.checks import check_mesh, check_number
 from meshfair.filters.arguments import check_count, held_vertices
-from meshfair.filters.neighbours import adjacent_faces, face_rings, incidence
+from meshfair.filters.neighbours import (
+    BLOCK,
+    adjacent_faces,
+    face_rings,
+    face_shapes,
+    incidence,
+)
 from meshfair.kernels import compiled, on_all_cores
-from meshfair.mesh import boundary_vertices, face_areas, face_normals
-
-BLOCK = 4096  # rows that a thread takes at a time
+from meshfair.mesh import boundary_vertices
 
 
 def sun(
@@ -122,7 +126,7 @@ def bilateral_normal(
     sigma_space = check_number(sigma_space, "sigma_space", 0, open_low=True)
     B = incidence(F, len(V))
     near = face_rings(B)
-    C, area = V[F].mean(axis=1), face_areas(V, F)
+    _, area, C = face_shapes(V, F)
     sigma_space *= mean_distance(C, adjacent_faces(near))
     near.setdiag(0)
     near.eliminate_zeros()
@@ -139,7 +143,7 @@ def _two_stages(V, F, B, mean_normals, normal_iterations, vertex_iterations, hel
     normal_iterations = check_count(normal_iterations, "normal_iterations")
     vertex_iterations = check_count(vertex_iterations, "vertex_iterations")
     steps = normal_iterations + vertex_iterations
-    N = face_normals(V, F)
+    N, _, _ = face_shapes(V, F)
     for step in range(1, steps + 1):
         if step <= normal_iterations:
             N = mean_normals(N)

@@ -5,9 +5,8 @@ import numpy as np
 from meshfair import weights
 from meshfair.checks import check_mesh, check_number
 from meshfair.filters.arguments import check_count, held_vertices
-from meshfair.filters.neighbours import BLOCK, within
+from meshfair.filters.neighbours import BLOCK, face_shapes, incidence, within
 from meshfair.kernels import compiled, on_all_cores
-from meshfair.mesh import face_normals, scatter
 
 
 def bilateral(V, F, *, iterations=5, radius=2.0, fixed=None):
@@ -48,12 +47,12 @@ def bilateral(V, F, *, iterations=5, radius=2.0, fixed=None):
     iterations = check_count(iterations, "iterations")
     radius = check_number(radius, "radius", 0, open_low=True)
     held = held_vertices(fixed, len(V))
-    pattern = weights.Pattern(F, len(V))
+    pattern, B = weights.Pattern(F, len(V)), incidence(F, len(V))
     for step in range(1, iterations + 1):
         lengths = weights.distance(V, pattern)
         sigma_c = shortest_edges(lengths)
         near = within(V, lengths, radius * sigma_c)
-        N = scatter(face_normals(V, F), F, len(V))
+        N = B @ face_shapes(V, F)[0]
         moved = np.empty_like(V)
         on_all_cores(
             _bilateral, len(V), V, N, near.indptr, near.indices, sigma_c, held, moved, block=BLOCK

@@ -81,11 +81,11 @@ def l0(
     n = len(V)
     centre = V.mean(axis=0)  # the tolerance must not depend on where the mesh lies
     P_noisy = P = V - centre
-    H = hinges(F, n)
-    bend = bending(P, H).mean() if len(H) else 0.0
+    H = hinges(F)
+    bend = np.mean(bending(P, H)) if len(H.corners) else 0.0
     lam = flatness * mean_edge_length(V, F) ** 2 * bend
     alpha *= bend
-    R = edge_matrix(np.tile([1.0, -1.0, 1.0, -1.0], (len(H), 1)), H, n)
+    R = edge_matrix(np.tile([1.0, -1.0, 1.0, -1.0], (len(H.corners), 1)), H, n)
     steps = max(0, int(np.ceil(np.log(beta_max / beta) / np.log(beta_factor))))
     for step in range(1, steps + 1):
         D = edge_matrix(edge_operator(P, H), H, n)
@@ -96,7 +96,7 @@ def l0(
         P = solve.spd(A, b, guess=P, fixed=held, tolerance=TOLERANCE)
         beta *= beta_factor
         alpha *= regularity_factor
-        yield step / steps, P + centre
+        yield step / steps, np.where(held[:, None], V, P + centre)
 
 
 def edge_operator(V, H):
@@ -113,8 +113,7 @@ def edge_operator(V, H):
     Parameters
     ----------
     V : ndarray of float64, shape (n, 3)
-    H : ndarray of int64, shape (k, 4)
-        See `meshfair.filters.hinges.hinges`.
+    H : Hinges
 
     Returns
     -------
@@ -122,7 +121,7 @@ def edge_operator(V, H):
         D p = c1 p1 + c2 p2 + c3 p3 + c4 p4; the c sum to 0. All are 0 where
         the edge or both triangles are degenerate.
     """
-    p1, p2, p3, p4 = (V[corner] for corner in H.T)
+    p1, p2, p3, p4 = (V[corner] for corner in H.corners.T)
     edge = p3 - p1
     squared = np.sum(edge**2, axis=1)
     area_2 = np.linalg.norm(np.cross(p2 - p1, edge), axis=1)
@@ -138,6 +137,7 @@ def edge_operator(V, H):
 
 
 def edge_matrix(coefficients, H, n):
-    """The matrix with row e of ``coefficients`` at the columns H[e]: shape (k, n)."""
-    starts = np.arange(0, 4 * len(H) + 1, 4)
-    return csr_array((coefficients.ravel(), H.ravel(), starts), shape=(len(H), n))
+    """The matrix of shape (k, n) with row e of ``coefficients`` at the corners of hinge e."""
+    k = len(H.corners)
+    starts = np.arange(0, 4 * k + 1, 4)
+    return csr_array((coefficients.ravel(), H.corners.ravel(), starts), shape=(k, n))

@@ -1,0 +1,313 @@
+"""Feature-convinced denoising: find the creases first, and never average across them."""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from meshfair.checks import check_mesh, check_number
+from meshfair.filters.arguments import check_count, held_vertices
+from meshfair.filters.diffusion import taubin
+from meshfair.filters.hinges import bending, hinges
+from meshfair.filters.neighbours import BLOCK, face_rings, face_shapes, incidence
+from meshfair.filters.normals import joint_bilateral, move_vertices, sun
+from meshfair.kernels import compiled, on_all_cores
+from meshfair.mesh import edge_lengths
+from meshfair.noise import estimate
+
+PATCH = 12  # faces at most in the mean that guides a face
+STRAIGHT = 2.5  # radians: consecutive edges of a crease line meet at a wider angle
+
+
+class Effort(NamedTuple):
+    """How much work a level of noise asks for."""
+
+    noise: float
+    """Meant for estimated noise below this, in mean edge lengths."""
+    taubin_iterations: int
+    """Iterations of Taubin's filter on the copy in which creases are found."""
+    sun_iterations: int
+    """Iterations of Sun's filter on it."""
+    crease_cosine: float
+    """Edges may be creases where the cosine of their two normals is smaller."""
+    normal_iterations: int
+    """Iterations of the joint bilateral filter in a round."""
+    rounds: int
+    """How often all is done."""
+
+
+# [LLL+19]
+EFFORTS = (
+    Effort(0.10, 0, 5, 0.75, 3, 3),
+    Effort(0.25, 1, 8, 0.85, 4, 4),
+    Effort(0.45, 2, 10, 0.82, 6, 6),
+    Effort(np.inf, 2, 12, 0.78, 8, 8),
+)
+
+
+def effort_for(noise):
+    """The first of `EFFORTS` that is meant for this noise."""
+    return next(effort for effort in EFFORTS if noise < effort.noise)
+
+
+def fill_in(V, F, parameters):
+    """The parameters of `feature_convinced`, with those that are None chosen from the mesh.
+
+    Parameters
+    ----------
+    V : ndarray of float64, shape (n, 3)
+    F : ndarray of int64, shape (m, 3)
+    parameters : dict
+        With the keys noise and rounds, and any others.
+
+    Returns
+    -------
+    dict
+    """
+    noise, rounds = parameters["noise"], parameters["rounds"]
+    noise = estimate(V, F) if noise is None else check_number(noise, "noise", 0)
+    rounds = effort_for(noise).rounds if rounds is None else check_count(rounds, "rounds")
+    return parameters | {"noise": noise, "rounds": rounds}
+
+
+def feature_convinced(
+    V,
+    F,
+    *,
+    noise=None,
+    rounds=None,
+    vertex_iterations=2,
+    sigma_normal=0.35,
+    gap=5,
+    shortest=2,
+    fixed=None,
+):
+    """Feature-convinced mesh denoising [LLL+19], as an iterator.
+
+    In each round
+
+    1. a copy is smoothed by Taubin's and by Sun's filter, and the lines of its
+       creases are traced, see `crease_edges`;
+    2. each face gets a guidance normal, the mean over up to 12 faces around
+       it that are reached without crossing a crease, see `crease_guidance`;
+    3. the normals are averaged by the joint bilateral filter over the faces
+       that share a vertex;
+    4. the vertices are moved to fit them; one that would move further than an
+       edge (the root of the mean squared length) keeps its place.
+
+    How much of each is done depends on the noise: see `EFFORTS`.
+
+    Parameters
+    ----------
+    V : array_like, shape (n, 3)
+    F : array_like of integers, shape (m, 3)
+    noise : float, optional
+        Size of the noise, as a fraction of the mean edge length. If it is not
+        given, `meshfair.noise.estimate` estimates it.
+    rounds : int, optional
+        As many as the noise asks for if not given.
+    vertex_iterations : int
+        How often the vertices are moved in a round.
+    sigma_normal : float
+        The difference of two guidance normals from which on normals hardly mix.
+    gap : int
+        So many edges that are no candidates may be bridged along a crease.
+    shortest : int
+        Crease lines of fewer edges are dropped.
+    fixed : array_like, optional
+        Vertices that keep their place, as a boolean mask (n,) or as indices.
+
+    Yields
+    ------
+    progress : float
+        The part of the work that is done; 1 at the end.
+    V : ndarray of float64, shape (n, 3)
+
+    Raises
+    ------
+    MeshError, ValueError
+        No mesh, or a parameter outside its range.
+    """
+    V, F = check_mesh(V, F)
+    vertex_iterations = check_count(vertex_iterations, "vertex_iterations", 1)
+    sigma_normal = check_number(sigma_normal, "sigma_normal", 0, open_low=True)
+    gap, shortest = check_count(gap, "gap"), check_count(shortest, "shortest")
+    held = held_vertices(fixed, len(V))
+    noise, rounds = fill_in(V, F, {"noise": noise, "rounds": rounds}).values()
+    effort = effort_for(noise)
+    H = hinges(F)
+    B = incidence(F, len(V))
+    R = face_rings(B)
+    for k in range(1, rounds + 1):
+        crease = crease_edges(
+            prefiltered(V, F, effort), H, effort.crease_cosine, gap=gap, shortest=shortest
+        )
+        N, area, C = face_shapes(V, F)
+        G = crease_guidance(H.faces[~crease], N, area, C)
+        longest = float(np.sqrt(np.mean(edge_lengths(V, F) ** 2)))
+        for _ in range(effort.normal_iterations):
+            N = joint_bilateral(R, N, G, C, area, sigma_normal, longest)
+        for _ in range(vertex_iterations):
+            moved = move_vertices(V, F, B, N, held)
+            too_far = np.linalg.norm(moved - V, axis=1) > longest
+            V = np.where(too_far[:, None], V, moved)
+        yield k / rounds, V
+
+
+def prefiltered(V, F, effort):
+    """A copy smooth enough to find creases in."""
+    copies = taubin(V, F, lam=0.6, mu=-0.636, iterations=effort.taubin_iterations)
+    for _, copy in copies:
+        V = copy
+    copies = sun(
+        *(V, F),
+        threshold=0.4,
+        normal_iterations=effort.sun_iterations,
+        vertex_iterations=4,
+        hold_boundary=False,
+    )
+    for _, copy in copies:
+        V = copy
+    return V
+
+
+def crease_edges(V, H, cosine, *, gap, shortest):
+    """Trace the lines of creases.
+
+    Candidates are the edges whose two normals have a smaller cosine than the
+    given one. From each, the most bent first, a line is followed to both
+    sides: at each vertex along the most bent edge that goes on nearly
+    straight (by more than 2.5 radians), a candidate where there is one. Other
+    edges bridge gaps: they belong to the line if it comes to a candidate, or to
+    an earlier line, within ``gap`` of them.
+
+    Parameters
+    ----------
+    V : ndarray of float64, shape (n, 3)
+        A smooth copy of the mesh.
+    H : Hinges, with k edges
+    cosine : float
+    gap : int
+    shortest : int
+        Lines of fewer edges are dropped.
+
+    Returns
+    -------
+    ndarray of bool, shape (k,)
+    """
+    bend = bending(V, H)
+    candidate = np.cos(bend) < cosine
+    seeds = np.flatnonzero(candidate)
+    seeds = seeds[np.argsort(-bend[seeds], kind="stable")]
+    ends = H.ends
+    by_vertex = np.argsort(ends.ravel(), kind="stable")
+    start = np.searchsorted(ends.ravel()[by_vertex], np.arange(len(V) + 1))
+    crease = np.zeros(len(ends), dtype=bool)
+    straight = np.cos(STRAIGHT)
+    _trace_lines(
+        *(seeds, V, ends, start, by_vertex // 2, bend, candidate),
+        *(gap, shortest, straight, crease),
+    )
+    return crease
+
+
+@compiled
+def _trace_lines(seeds, V, ends, start, edges_at, bend, candidate, gap, shortest, straight, crease):
+    line = np.empty(len(ends), dtype=np.int64)
+    used = np.zeros(len(ends), dtype=np.bool_)
+    on_line = np.zeros(len(V), dtype=np.bool_)
+    for seed in seeds:
+        if used[seed]:
+            continue
+        used[seed] = True
+        line[0] = seed
+        sure = 1  # edges that belong to the line; those after them may bridge a gap
+        for side in range(2):
+            edge, v, length = seed, ends[seed, side], sure
+            while not on_line[v] and length - sure <= gap:
+                u = ends[edge, 0] + ends[edge, 1] - v  # the other end
+                bx, by, bz = V[u, 0] - V[v, 0], V[u, 1] - V[v, 1], V[u, 2] - V[v, 2]
+                best = -1
+                for p in range(start[v], start[v + 1]):
+                    e = edges_at[p]
+                    w = ends[e, 0] + ends[e, 1] - v
+                    x, y, z = V[w, 0] - V[v, 0], V[w, 1] - V[v, 1], V[w, 2] - V[v, 2]
+                    lengths = np.sqrt((bx * bx + by * by + bz * bz) * (x * x + y * y + z * z))
+                    if used[e] or bx * x + by * y + bz * z > straight * lengths:
+                        continue
+                    if best < 0 or (candidate[e], bend[e]) > (candidate[best], bend[best]):
+                        best = e
+                if best < 0:
+                    break
+                used[best] = True
+                line[length] = edge = best
+                v = ends[best, 0] + ends[best, 1] - v
+                length += 1
+                if candidate[best]:
+                    sure = length
+            if on_line[v]:
+                sure = length
+            for p in range(sure, length):
+                used[line[p]] = False
+        if sure >= shortest:
+            for p in range(sure):
+                crease[line[p]] = True
+                on_line[ends[line[p], 0]] = on_line[ends[line[p], 1]] = True
+
+
+def crease_guidance(pairs, N, area, C):
+    """The mean normal, by area, of the faces around each face on its side of the creases.
+
+    From each face a patch is grown: again and again by the adjacent face whose
+    centroid is nearest, up to `PATCH` faces, never across a crease.
+
+    Parameters
+    ----------
+    pairs : ndarray of int64, shape (k, 2)
+        Adjacent faces with no crease between them.
+    N : ndarray of float64, shape (m, 3)
+        Normals.
+    area : ndarray of float64, shape (m,)
+    C : ndarray of float64, shape (m, 3)
+        Centroids.
+
+    Returns
+    -------
+    ndarray of float64, shape (m, 3)
+        Unit vectors; zero where the patch's normals cancel.
+    """
+    f, g = pairs.T
+    ones = np.ones(2 * len(f), dtype=np.int8)
+    graph = csr_array((ones, (np.append(f, g), np.append(g, f))), shape=(len(N), len(N)))
+    G = np.empty_like(N)
+    on_all_cores(
+        _patch_means, len(N), graph.indptr, graph.indices, N, area, C, PATCH, G, block=BLOCK
+    )
+    return G
+
+
+@compiled
+def _patch_means(first, last, start, adjacent, N, area, C, size, G):
+    patch = np.empty(size, dtype=np.int64)
+    in_patch_of = np.full(len(N), -1, dtype=np.int32)
+    for i in range(first, last):
+        nearest, count = i, 0
+        x = y = z = 0.0
+        while nearest >= 0 and count < size:
+            patch[count] = nearest
+            in_patch_of[nearest] = i
+            count += 1
+            x += area[nearest] * N[nearest, 0]
+            y += area[nearest] * N[nearest, 1]
+            z += area[nearest] * N[nearest, 2]
+            nearest, least = -1, np.inf
+            for a in range(count):
+                for p in range(start[patch[a]], start[patch[a] + 1]):
+                    j = adjacent[p]
+                    dx, dy, dz = C[j, 0] - C[i, 0], C[j, 1] - C[i, 1], C[j, 2] - C[i, 2]
+                    squared = dx * dx + dy * dy + dz * dz
+                    if in_patch_of[j] != i and squared < least:
+                        nearest, least = j, squared
+        length = np.sqrt(x * x + y * y + z * z)
+        scale = 1 / length if length > 0 else 0.0
+        G[i, 0], G[i, 1], G[i, 2] = scale * x, scale * y, scale * z
