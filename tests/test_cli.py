@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import subprocess
 import sys
 
@@ -9,7 +10,8 @@ import numpy as np
 import pytest
 
 from broken import bow_tie
-from meshfair import cli, flow, io, mesh, metrics, noise, operators, shapes, weights
+from meshes import grid
+from meshfair import cli, denoising, io, mesh, metrics, noise, shapes
 from meshfair.cli import doctor, printing
 
 
@@ -191,6 +193,173 @@ def test_wrong_noise_is_refused_and_nothing_is_written(run, knot, tmp_path, word
     assert code == 1
     assert message in one_line(err)
     assert not out.exists()
+
+
+# --- compare ------------------------------------------------------------------------------
+
+
+def test_compare_prints_every_metric(run, knot, tmp_path):
+    V, F = shapes.knot()
+    noisy = tmp_path / "noisy.ply"
+    io.write(noisy, noise.along_normals(V, F, 0.2, np.random.default_rng(3)), F)
+    code, text, _ = run("compare", noisy, knot, "--json")
+    assert code == 0
+    X, _ = io.read(noisy)
+    found = json.loads(text)
+    assert found == metrics.compare(X, F, V, F)
+    assert found["snr"] == noise.snr(V, X)
+    code, text, _ = run("compare", noisy, knot)
+    assert code == 0
+    assert f"{noise.snr(V, X):.6g} dB" in text
+
+
+def test_compare_meshes_of_different_connectivity(run, knot, tmp_path):
+    io.write(tmp_path / "other.obj", *shapes.knot(sections=240))
+    code, text, _ = run("compare", tmp_path / "other.obj", knot)
+    assert code == 0
+    assert "cannot be compared" in text  # SNR and normal angle
+    assert "mean edge lengths" in text
+
+
+# --- denoise ------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def noisy(tmp_path):
+    V, F = shapes.knot()
+    path = tmp_path / "noisy.ply"
+    io.write(path, noise.along_normals(V, F, 0.3, np.random.default_rng(8)), F)
+    return path
+
+
+def test_denoise_is_that_of_the_package(run, noisy, tmp_path):
+    V, F = io.read(noisy)
+    for k, (words, chosen) in enumerate(
+        [
+            (["--method", "heat", "--weights", "cotangent", "--time", 1],
+             {"method": "heat", "weights": "cotangent", "time": 1}),
+            (["--method", "heat", "--set", "tau=0.5"], {"method": "heat", "tau": 0.5}),
+            (["--method", "implicit", "--set", "keep_volume=True"],
+             {"method": "implicit", "keep_volume": True}),
+            (["--method", "averaging", "--set", "steps=3", "--set", "weights=distance"],
+             {"method": "averaging", "steps": 3, "weights": "distance"}),
+            (["--method", "taubin", "--auto"], {"method": "taubin", "parameters": "auto"}),
+            ([], {}),
+        ]
+    ):  # fmt: skip
+        out = tmp_path / f"{k}.ply"
+        code, text, err = run("denoise", noisy, out, "--json", *words)
+        assert (code, err) == (0, "")
+        expected = denoising.denoise(V, F, **chosen)
+        assert np.array_equal(io.read(out)[0], expected.V)
+        assert np.array_equal(io.read(out)[1], F)
+        facts = json.loads(text)
+        assert facts["method"] == expected.method
+        del expected.parameters["fixed"]
+        assert facts["parameters"] == expected.parameters
+
+
+def test_denoise_tells_how_much_closer_it_came(run, noisy, knot, tmp_path):
+    words = ["denoise", noisy, tmp_path / "o.ply", "--method", "heat", "--clean", knot]
+    code, text, _ = run(*words)
+    assert code == 0
+    V, _ = shapes.knot()
+    before, after = (noise.snr(V, io.read(p)[0]) for p in (noisy, tmp_path / "o.ply"))
+    assert f"{before:.6g} -> {after:.6g} dB" in text
+    code, text, _ = run(*words, "--json", "--force")
+    history = json.loads(text)["history"]
+    assert history[0]["snr"] == pytest.approx(before)
+    assert history[-1]["snr"] == pytest.approx(after)
+
+
+def test_denoise_holds_the_boundary(run, tmp_path, rng):
+    V, F = grid(6)
+    V = V + 0.1 * rng.standard_normal(V.shape)
+    io.write(tmp_path / "in.off", V, F)
+    out = tmp_path / "out.off"
+    words = ["--method", "heat", "--hold-boundary", "--json"]
+    code, text, _ = run("denoise", tmp_path / "in.off", out, *words)
+    assert code == 0
+    rim = mesh.boundary_vertices(F)
+    assert json.loads(text)["held_vertices"] == len(rim)
+    moved = np.any(io.read(out)[0] != V, axis=1)
+    assert not moved[rim].any()
+    assert moved.sum() == len(V) - len(rim)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--method", "magic"], "magic"),
+        (["--method", "heat", "--set", "strength=1"], "has no parameter 'strength'"),
+        (["--method", "heat", "--weights", "heavy"], "weights is 'heavy'"),
+        (["--method", "heat", "--time", "-1"], "time"),
+        (["--method", "heat", "--set", "tau=fast"], "tau is 'fast'"),
+        (["--clean", "missing.ply"], "missing.ply"),
+    ],
+)
+def test_wrong_denoising_is_refused_in_one_line(run, noisy, tmp_path, words, message):
+    code, _, err = run("denoise", noisy, tmp_path / "o.ply", *words)
+    assert code == 1
+    assert message in one_line(err)
+    assert not (tmp_path / "o.ply").exists()
+
+
+@pytest.mark.parametrize("text", ["tau", "=1", "tau=", "1=2", "a b=3"])
+def test_a_parameter_without_name_or_value_is_wrong_usage(noisy, tmp_path, text, capsys):
+    with pytest.raises(SystemExit) as stop:
+        cli.main(["denoise", str(noisy), str(tmp_path / "o.ply"), "--set", text])
+    assert stop.value.code == 2
+    assert "NAME=VALUE" in capsys.readouterr().err
+
+
+def test_the_clean_mesh_is_never_written_over(run, noisy, knot):
+    before = knot.read_bytes()
+    code, _, err = run("denoise", noisy, knot, "--force", "--clean", knot)
+    assert code == 1
+    assert "input" in one_line(err)
+    assert knot.read_bytes() == before
+
+
+def test_methods_are_listed_with_their_defaults(capsys):
+    with pytest.raises(SystemExit) as stop:
+        cli.main(["denoise", "--methods"])
+    assert stop.value.code == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == denoising.methods()
+    assert "heat weights=combinatorial tau=0.2 time=2.0" in lines
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs a terminal as POSIX has them")
+def test_progress_on_a_terminal_and_an_interrupt_that_leaves_nothing(noisy, tmp_path):
+    import pty
+    import select
+    import termios
+
+    terminal, stderr = pty.openpty()
+    termios.tcsetwinsize(stderr, (24, 80))  # a new one has no columns to draw a bar in
+    out = tmp_path / "o.ply"
+    command = [sys.executable, "-m", "meshfair", "denoise", str(noisy), str(out)]
+    command += ["--method", "heat", "--time", "1e5", "--set", "tau=0.001"]
+    there = set(tmp_path.iterdir())
+    child = subprocess.Popen(command, stderr=stderr, stdout=subprocess.PIPE, text=True)
+    os.close(stderr)
+    readable, _, _ = select.select([terminal], [], [], 60)
+    shown = os.read(terminal, 1000).decode() if readable else ""
+    child.send_signal(signal.SIGINT)
+    text, _ = child.communicate(timeout=60)
+    while True:
+        try:
+            shown += os.read(terminal, 1000).decode()
+        except OSError:  # the other end is closed
+            break
+    os.close(terminal)
+    assert "0% |" in shown
+    assert child.returncode == 130
+    assert text == ""
+    assert "meshfair denoise: interrupted" in shown
+    assert "Traceback" not in shown
+    assert set(tmp_path.iterdir()) == there
 
 
 # --- outputs ------------------------------------------------------------------------------
@@ -427,95 +596,3 @@ def test_json_has_no_numbers_that_json_has_not(capsys):
         "c": [0, 1],
         "d": True,
     }
-
-
-# --- denoise and compare ------------------------------------------------------------------
-
-
-@pytest.fixture
-def noisy(tmp_path):
-    V, F = shapes.knot()
-    path = tmp_path / "noisy.ply"
-    io.write(path, noise.along_normals(V, F, 0.3, np.random.default_rng(1)), F)
-    return path
-
-
-def test_denoise_is_the_heat_flow(run, noisy, tmp_path):
-    out = tmp_path / "out.ply"
-    words = ("--weights", "distance", "--time", 0.6, "--json")
-    code, printed, err = run("denoise", noisy, out, *words)
-    assert (code, err) == (0, "")
-    assert json.loads(printed)["time"] == 0.6
-    V, F = io.read(noisy)
-    *_, (_, last) = flow.heat(V, operators.averaging(weights.distance(V, F)), 0.2, 0.6)
-    np.testing.assert_array_equal(io.read(out)[0], last)
-
-
-def test_denoise_stops_where_the_snr_is_best(run, knot, noisy, tmp_path):
-    out = tmp_path / "out.ply"
-    words = ("--weights", "combinatorial", "--time", 4, "--clean", knot, "--json")
-    code, printed, _ = run("denoise", noisy, out, *words)
-    assert code == 0
-    found = json.loads(printed)
-    V, F = io.read(noisy)
-    V_clean, _ = io.read(knot)
-    A = operators.averaging(weights.combinatorial(F, len(V)))
-    best = flow.best_stopping(V, V_clean, A, 0.2, 4.0)
-    assert found["time"] == best.time
-    assert found["snr"] == pytest.approx(best.snr, rel=1e-12)
-    assert noise.snr(V_clean, io.read(out)[0]) == pytest.approx(best.snr, rel=1e-12)
-
-
-@pytest.mark.parametrize("kind", ["combinatorial", "distance", "cotangent", "intrinsic"])
-@pytest.mark.parametrize("method", ["averaging", "implicit"])
-def test_every_method_with_every_weights_smooths(run, knot, noisy, tmp_path, kind, method):
-    out = tmp_path / "out.ply"
-    code, _, err = run("denoise", noisy, out, "--method", method, "--weights", kind, "--time", 1)
-    assert code == 0
-    # A whole step with negative weights is past the bound, and the user is told.
-    assert ("the bound on this mesh" in err) == ((method, kind) == ("averaging", "cotangent"))
-    V_clean, F = io.read(knot)
-    before, after = (metrics.normal_angle(io.read(path)[0], V_clean, F) for path in (noisy, out))
-    assert after < before / 1.5
-
-
-def test_denoise_can_hold_the_boundary(run, tmp_path):
-    V, F = shapes.box(segments=4)
-    open_box = F[mesh.face_normals(V, F)[:, 2] < 0.5]  # without its lid
-    noisy, out = tmp_path / "noisy.ply", tmp_path / "out.ply"
-    io.write(noisy, V, open_box)
-    assert run("denoise", noisy, out, "--hold-boundary")[0] == 0
-    held = mesh.boundary_vertices(open_box)
-    assert held.any()
-    np.testing.assert_array_equal(io.read(out)[0][held], V[held])
-
-
-def test_denoise_refuses_what_makes_no_sense(run, knot, noisy, tmp_path):
-    out = tmp_path / "out.ply"
-    code, _, err = run("denoise", noisy, out, "--method", "implicit", "--clean", knot)
-    assert code == 1
-    assert "implicit makes one" in one_line(err)
-    code, _, err = run("denoise", noisy, out, "--time", -1)
-    assert code == 1
-    assert "time is -1" in one_line(err)
-    assert not out.exists()
-    code, _, err = run("denoise", noisy, noisy)
-    assert code == 1
-    assert "is an input too" in one_line(err)
-
-
-def test_compare_prints_every_metric(run, knot, noisy):
-    code, printed, err = run("compare", noisy, knot, "--json")
-    assert (code, err) == (0, "")
-    assert json.loads(printed) == metrics.compare(*io.read(noisy), *io.read(knot))
-    code, printed, _ = run("compare", noisy, knot)
-    assert len(printed.splitlines()) == 6
-    assert "degrees" in printed
-
-
-def test_compare_meshes_of_other_faces(run, knot, tmp_path):
-    other = tmp_path / "other.off"
-    io.write(other, *shapes.knot(sections=60, sides=8))
-    code, printed, _ = run("compare", other, knot)
-    assert code == 0
-    assert printed.count("cannot be compared") == 2

@@ -18,7 +18,7 @@ PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 ORDER = [
     "checks", "shapes", "io", "datasets", "mesh", "noise", "kernels", "pattern", "ordering",
     "intrinsic", "weights", "operators", "spectrum", "multigrid", "solve", "flow", "filters",
-    "metrics", "experiments", "plotting", "viewer", "explorers", "grading",
+    "metrics", "risk", "denoising", "experiments", "plotting", "viewer", "explorers", "grading",
 ]  # fmt: skip
 
 

@@ -2,8 +2,8 @@
 
 The modules, in the order in which the data flows:
 
-shapes, io -> mesh -> noise -> weights -> operators -> flow -> metrics
--> experiments -> plotting, viewer
+shapes, io -> mesh -> noise -> weights -> operators -> flow, filters -> metrics
+-> risk, denoising -> experiments -> plotting, viewer
 
 with ``checks`` before them all and ``reference`` (libigl) beside them.
 """
@@ -16,17 +16,19 @@ __version__ = "0.1.0"
 
 _MODULES = (
     "checks", "shapes", "io", "datasets", "mesh", "noise", "weights", "operators", "spectrum",
-    "solve", "flow", "filters", "metrics", "experiments", "plotting", "viewer", "explorers",
-    "reference",
+    "solve", "flow", "filters", "metrics", "risk", "denoising", "experiments", "plotting",
+    "viewer", "explorers", "reference",
 )  # fmt: skip
 
-__all__ = ["MeshError", "MeshWarning", "StabilityWarning", *_MODULES]
+__all__ = ["MeshError", "MeshWarning", "StabilityWarning", "denoise", *_MODULES]
 
 
 def __getattr__(name):
     """Load a module when it is first used, so that ``import meshfair`` is quick."""
     if name in _MODULES:
         return import_module(f"meshfair.{name}")
+    if name == "denoise":
+        return import_module("meshfair.denoising").denoise
     raise AttributeError(f"module 'meshfair' has no attribute {name!r}")
 
 

@@ -50,7 +50,7 @@ def run(options):
     if options.json:
         printing.print_json(
             {
-                "out": str(options.out),
+                "out": options.out,
                 "vertices": len(cleaned.V),
                 "faces": len(cleaned.F),
                 "steps": [step._asdict() for step in cleaned.report],

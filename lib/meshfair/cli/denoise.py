@@ -1,107 +1,119 @@
-"""Denoise a mesh by diffusion, with one of the three weights.
+"""Denoise a mesh.
 
-averaging makes whole steps V <- W~ V, heat smaller ones of size --tau, and
-implicit one stable backward Euler step, whose time is in squared mean edge
-lengths. Weights are built once, from the noisy mesh.
+Parameters that are not given have the method's defaults; a method refuses
+those that it does not have, and names its own.
 """
 
-from pathlib import Path
+import argparse
+import ast
 
 from meshfair.cli import files, printing
-
-METHODS = ("averaging", "heat", "implicit")
-WEIGHTS = ("combinatorial", "distance", "cotangent", "intrinsic")
 
 
 def add_arguments(parser):
     """Declare the subcommand's arguments."""
     files.add_input(parser, "in")
     files.add_output(parser)
-    parser.add_argument("--method", choices=METHODS, default="heat", help="(default heat)")
+    parser.add_argument("--method", help="how (see --methods)")
     parser.add_argument(
-        "--weights", choices=WEIGHTS, default="cotangent", help="(default cotangent)"
+        "--methods", action=_ListMethods, nargs=0, help="list the methods and their parameters"
     )
-    parser.add_argument("--time", type=float, default=1.0, help="how long to flow (default 1)")
-    parser.add_argument("--tau", type=float, default=0.2, help="time step of heat (default 0.2)")
+    parser.add_argument("--weights", help="combinatorial, distance or cotangent, for diffusion")
+    parser.add_argument("--time", type=float, help="how long to flow, for heat")
     parser.add_argument(
-        "--hold-boundary", action="store_true", help="keep boundary vertices where they are"
+        "--set",
+        action="append",
+        default=[],
+        type=_parameter,
+        metavar="NAME=VALUE",
+        help="any other parameter; may be repeated",
     )
     parser.add_argument(
-        "--clean", type=Path, metavar="MESH", help="the clean mesh, to stop where the SNR is best"
+        "--auto", action="store_true", help="choose what is not given from the mesh itself"
+    )
+    parser.add_argument(
+        "--hold-boundary", action="store_true", help="keep the boundary's vertices in place"
+    )
+    parser.add_argument(
+        "--clean",
+        metavar="MESH",
+        type=files.Path,
+        help="the clean mesh, to say how much closer the result is",
     )
     files.add_reading(parser)
     files.add_json(parser)
 
 
+class _ListMethods(argparse.Action):
+    """Print every method with its parameters and their defaults, and stop."""
+
+    def __call__(self, parser, namespace, values, option_string=None):
+        from meshfair import denoising
+
+        for method in denoising.methods():
+            defaults = denoising.defaults(method)
+            defaults.pop("fixed", None)
+            print(method, *(f"{name}={value}" for name, value in defaults.items()))
+        parser.exit()
+
+
+def _parameter(text):
+    """A name and a value from NAME=VALUE: a number, True, False or None, else a word."""
+    name, equals, value = text.partition("=")
+    if not (name.isidentifier() and equals and value):
+        raise argparse.ArgumentTypeError(f"{text!r} is not of the form NAME=VALUE")
+    try:
+        return name, ast.literal_eval(value)
+    except (ValueError, SyntaxError):
+        return name, value
+
+
 def run(options):
-    """Read, flow, write, and print what was done.
+    """Read, denoise, write, and say what was done.
 
     Returns
     -------
     int
         0 where the mesh was written.
     """
-    from meshfair import mesh
+    from meshfair.denoising import denoise
+    from meshfair.mesh import boundary_vertices
 
     source = vars(options)["in"]
-    inputs = [source] if options.clean is None else [source, options.clean]
+    inputs = [source, options.clean] if options.clean else [source]
     files.check_output(options.out, inputs, options.force)
     V, F = files.read(source, options)
-    fixed = mesh.boundary_vertices(F) if options.hold_boundary else None
-    facts = {"out": str(options.out), "method": options.method, "weights": options.weights}
-    if options.method == "implicit":
-        if options.clean is not None:
-            raise ValueError(
-                "--clean wants the best of many steps; implicit makes one, so use heat"
-            )
-        V_new, time = _implicit(V, F, options, fixed), options.time
-    else:
-        V_new, time, snr = _explicit(V, F, options, fixed)
-        facts |= snr
-    files.write(options.out, V_new, F, inputs, options.force)
-    facts["time"] = time
+    chosen = dict(options.set)
+    for name in ("method", "weights", "time"):
+        if getattr(options, name) is not None:
+            chosen[name] = getattr(options, name)
+    if options.hold_boundary:
+        chosen["fixed"] = boundary_vertices(F)
+    if options.clean:
+        chosen["clean"] = files.read(options.clean, options)[0]
+    with printing.progress() as advance:
+        result = denoise(
+            V, F, parameters="auto" if options.auto else "default", callback=advance, **chosen
+        )
+    files.write(options.out, result.V, F, inputs, options.force)
+
+    parameters = {name: value for name, value in result.parameters.items() if name != "fixed"}
+    history = None if result.history is None else result.history.to_dict("records")
     if options.json:
-        printing.print_json(facts)
+        printing.print_json(
+            {
+                "out": options.out,
+                "method": result.method,
+                "parameters": parameters,
+                "held_vertices": len(chosen.get("fixed", ())),
+                "seconds": result.seconds,
+                "history": history,
+            }
+        )
     else:
-        printing.print_table(facts.items())
+        rows = [("out", options.out), ("method", result.method), *parameters.items()]
+        if history:
+            for name, unit in (("snr", "dB"), ("normal_angle", "degrees")):
+                rows.append((name, f"{history[0][name]:.6g} -> {history[-1][name]:.6g} {unit}"))
+        printing.print_table([*rows, ("seconds", round(result.seconds, 3))])
     return 0
-
-
-def _weights(V, F, options):
-    from meshfair import weights
-
-    if options.weights == "combinatorial":
-        return weights.combinatorial(F, len(V))
-    return getattr(weights, options.weights)(V, F)
-
-
-def _explicit(V, F, options, fixed):
-    """The last state of the flow, or where a clean mesh is given the one with the best SNR."""
-    from tqdm import tqdm
-
-    from meshfair import flow, metrics, operators
-
-    tau = 1.0 if options.method == "averaging" else options.tau
-    A = operators.averaging(_weights(V, F, options))
-    steps = flow.heat(V, A, tau, options.time, fixed=fixed)
-    steps = tqdm(steps, unit="step", leave=False, disable=None)  # None: on a terminal only
-    if options.clean is None:
-        for time, state in steps:
-            last = state, time
-        return *last, {}
-    V_clean, _ = files.read(options.clean, options)
-    best = max(
-        ((metrics.snr(V_clean, state), -time, state) for time, state in steps),
-        key=lambda found: found[:2],
-    )
-    return best[2], -best[1], {"noisy_snr": metrics.snr(V_clean, V), "snr": best[0]}
-
-
-def _implicit(V, F, options, fixed):
-    from meshfair import mesh, operators, solve
-
-    L = operators.laplacian(_weights(V, F, options))
-    if options.weights == "distance":
-        L = L / mesh.mean_edge_length(V, F)  # so that no weights have a unit
-    t = options.time * mesh.mean_edge_length(V, F) ** 2
-    return solve.implicit_step(V, L, operators.mass(V, F), t, fixed=fixed)

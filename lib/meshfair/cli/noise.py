@@ -60,7 +60,7 @@ def run(options):
         V_noisy = noise.at_snr(V, V_noisy - V, options.snr)
     files.write(options.out, V_noisy, F, [source], options.force)
     facts = {
-        "out": str(options.out),
+        "out": options.out,
         "model": options.model,
         "seed": options.seed,
         "snr": noise.snr(V, V_noisy),

@@ -2,6 +2,7 @@
 
 import json
 import math
+from contextlib import contextmanager
 
 
 def print_json(facts):
@@ -30,3 +31,23 @@ def print_table(rows):
     width = max(len(name) for name, _ in rows)
     for name, value in rows:
         print(f"{name:<{width}}  {value}")
+
+
+@contextmanager
+def progress():
+    """Show on standard error, if that is a terminal, how far long work has come.
+
+    Yields
+    ------
+    function of a float
+        To call with the part of the work that is done, 0 to 1.
+    """
+    from tqdm import tqdm
+
+    form = "{percentage:3.0f}% |{bar}| {elapsed} < {remaining}"
+    with tqdm(total=1.0, bar_format=form, leave=False, disable=None) as bar:
+
+        def advance(part):
+            bar.update(part - bar.n)
+
+        yield advance

@@ -1,0 +1,365 @@
+"""One front for all filters: `denoise` by name, with chosen, default or automatic parameters."""
+
+import inspect
+from time import perf_counter
+from typing import NamedTuple
+
+import numpy as np
+
+from meshfair import filters
+from meshfair.checks import check_mesh, check_same_vertices
+from meshfair.filters.features import fill_in
+from meshfair.metrics import normal_angle
+from meshfair.noise import snr
+from meshfair.risk import Risk
+
+
+class Denoised(NamedTuple):
+    """A denoised mesh, and how it came about."""
+
+    V: np.ndarray
+    """Positions, shape (n, 3)."""
+    method: str
+    """The method's name."""
+    parameters: dict
+    """All parameters that were used; with them `denoise` gives the same V again."""
+    history: object
+    """Against the clean mesh, a pandas table of iteration, normal_angle (degrees) and snr
+    (decibels), from the noisy mesh at iteration 0 on; None without a clean mesh."""
+    risk: float
+    """With automatic parameters, the estimated risk (`meshfair.risk.Risk`), in squared units
+    of V; else None. It compares methods on a mesh too: the smaller the better."""
+    seconds: float
+    """Time taken."""
+    finished: bool
+    """False where the callback has cancelled it: V is what was reached until then."""
+
+
+class Method(NamedTuple):
+    """A filter, and what automatic parameters need to know of it."""
+
+    function: object
+    """Called as ``function(V, F, **parameters)``, yields progress and positions."""
+    candidates: list
+    """Parameters, as dicts, among which to choose."""
+    stopped: object = None
+    """``stopped(parameters, k)``: the parameters with which it ends at the k-th new
+    positions; None where only the last ones are a result."""
+    fill_in: object = None
+    """``fill_in(V, F, parameters)``: the parameters with those that are None chosen from
+    the mesh; None where there are none of that kind."""
+
+
+def _at_most(name):
+    """For a method that yields positions once for each ``name``: it can end earlier."""
+    return lambda parameters, k: parameters | {name: k}
+
+
+def _heat_until(parameters, k):
+    return parameters | {"time": min(parameters["time"], k * parameters["tau"])}
+
+
+def _each(name, *values, **others):
+    """Candidates with several values of one parameter."""
+    return [{name: value, **others} for value in values]
+
+
+# Candidates are spread so widely that the best lies among them, on smooth and on sharp meshes.
+_STRENGTHS = (0.0, 0.0625, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
+
+_METHODS = {
+    "averaging": Method(filters.averaging, [{"steps": 30}], _at_most("steps")),
+    "heat": Method(filters.heat, [{"time": 20.0}], _heat_until),
+    "implicit": Method(filters.implicit, _each("step", *_STRENGTHS)),
+    "regularised": Method(filters.regularised, _each("strength", *_STRENGTHS)),
+    "taubin": Method(filters.taubin, [{"iterations": 60}], _at_most("iterations")),
+    "bilateral": Method(filters.bilateral, [{"iterations": 20}], _at_most("iterations")),
+    "sun": Method(filters.sun, _each("threshold", 0.3, 0.5, 0.7), _at_most("vertex_iterations")),
+    "bilateral-normal": Method(
+        filters.bilateral_normal,
+        _each("normal_iterations", 5, 20) + _each("normal_iterations", 5, 20, sigma_normal=0.5),
+        _at_most("vertex_iterations"),
+    ),
+    "guided-normal": Method(
+        filters.guided_normal, _each("sigma_normal", 0.35, 0.5), _at_most("iterations")
+    ),
+    "l0": Method(filters.l0, _each("flatness", 0.05, 0.2)),
+    "feature-convinced": Method(
+        filters.feature_convinced,
+        _each("sigma_normal", 0.25, 0.35, 0.5),
+        _at_most("rounds"),
+        fill_in,
+    ),
+}
+
+
+def register(name, *, candidates=({},), stopped=None, fill_in=None):
+    """Make a filter known to `denoise` by a name; a decorator.
+
+    For example::
+
+        @denoising.register("halfway", candidates=[{"iterations": 10}],
+                            stopped=lambda parameters, k: parameters | {"iterations": k})
+        def halfway(V, F, *, iterations=3):
+            A = averaging(weights.combinatorial(F, len(V)))
+            for k in range(iterations):
+                V = (V + A @ V) / 2
+                yield (k + 1) / iterations, V
+
+    Parameters
+    ----------
+    name : str
+        A name in use is taken over.
+    candidates : sequence of dict
+        Parameters among which ``parameters="auto"`` chooses.
+    stopped : function, optional
+        From parameters (a dict) and a number k to the parameters with which
+        the filter ends where it now yields new positions for the k-th time. With it,
+        "auto" also chooses when to stop.
+    fill_in : function, optional
+        From V, F and parameters (a dict) to the parameters with those that are None
+        chosen from the mesh, so that a result can name what was used.
+
+    Returns
+    -------
+    function
+        A decorator that leaves the filter as it is. The filter takes V, F and keyword
+        parameters that all have defaults, and yields progress (0 to 1) and positions.
+    """
+
+    def add(function):
+        _METHODS[name] = Method(function, list(candidates), stopped, fill_in)
+        return function
+
+    return add
+
+
+def methods():
+    """The names of all methods, in the order in which they were registered."""
+    return list(_METHODS)
+
+
+def defaults(method):
+    """The parameters of a method and their default values.
+
+    Parameters
+    ----------
+    method : str
+
+    Returns
+    -------
+    dict
+
+    Raises
+    ------
+    ValueError
+        No method has this name.
+    """
+    signature = inspect.signature(_find(method).function)
+    return {name: p.default for name, p in signature.parameters.items() if name not in ("V", "F")}
+
+
+def denoise(
+    V,
+    F,
+    method="feature-convinced",
+    *,
+    parameters="default",
+    sigma=None,
+    rng=None,
+    clean=None,
+    callback=None,
+    **chosen,
+):
+    """Denoise a mesh.
+
+    Parameters
+    ----------
+    V : array_like, shape (n, 3)
+        Noisy positions.
+    F : array_like of integers, shape (m, 3)
+    method : str
+        One of `methods`.
+    parameters : {"default", "auto"}
+        Where parameters come from that are not given by name. "auto" runs the
+        method with each of its candidates, twice, and takes the parameters, and
+        the iteration to stop at, whose estimated risk is smallest (Stein's unbiased
+        estimate, see `meshfair.risk.Risk`); that may be the noisy mesh. A number of
+        iterations that is given is then the most that are made.
+    sigma : float, optional
+        For "auto": the noise's standard deviation, as a fraction of the mean edge
+        length, if it is known; else `meshfair.noise.estimate` estimates it.
+    rng : numpy.random.Generator, optional
+        For "auto": draws the estimate's probe; if none is given, the same one each time.
+    clean : array_like, shape (n, 3), optional
+        The clean mesh's positions, for the history. Nothing else looks at them.
+    callback : function, optional
+        Called with the progress, a number up to 1, after each iteration.
+        When it returns False (not None), the work ends there.
+    **chosen
+        The method's parameters by name; ``fixed`` (vertices that keep their place,
+        as a boolean mask (n,) or as indices) is one that they all have.
+
+    Returns
+    -------
+    Denoised
+        V, method, parameters, history, risk, seconds, finished.
+
+    Raises
+    ------
+    MeshError, ValueError
+        No mesh; no such method or parameter (the message lists those there
+        are); a parameter outside its range.
+    """
+    V, F = check_mesh(V, F)
+    if clean is not None:
+        V, clean = check_same_vertices(V, clean, ("V", "clean"))
+    if parameters not in ("default", "auto"):
+        raise ValueError(f"parameters is {parameters!r}; give 'default' or 'auto'")
+    run = _Run(V, F, method, chosen, clean, callback)
+    if parameters == "default":
+        return run.ended(run.states(V, run.filled_in(run.known | run.chosen), run.report))
+    # A generator of its own for each call: the same call gives the same mesh.
+    risk = Risk(V, F, np.random.default_rng(0) if rng is None else rng, sigma)
+    return run.ended(run.better_states((V, risk.V_probed), risk))
+
+
+def tune(V, F, method, clean, *, callback=None, **chosen):
+    """Denoise with the parameters that come closest to the clean mesh, which has to be known.
+
+    Among the candidates of "auto", and the iterations to stop at, this takes
+    those with the smallest mean normal angle: what a method can do at best,
+    and a way to find parameters for meshes like this one.
+
+    Parameters, errors and result are those of `denoise`; ``clean`` decides.
+    """
+    V, F = check_mesh(V, F)
+    V, clean = check_same_vertices(V, clean, ("V", "clean"))
+    run = _Run(V, F, method, chosen, clean, callback)
+    result = run.ended(run.better_states((V,), lambda X: normal_angle(X, clean, F)))
+    return result._replace(risk=None)
+
+
+class _CancelledError(Exception):
+    """The callback wants no more."""
+
+
+class _State(NamedTuple):
+    """Positions on the way, and how they came about."""
+
+    V: np.ndarray
+    parameters: dict
+    history: tuple
+    score: float | None = None
+
+
+class _Run:
+    """A method on one mesh, with given or with several parameters."""
+
+    def __init__(self, V, F, method, chosen, clean, callback):
+        self.start = perf_counter()
+        self.V, self.F, self.name, self.method = V, F, method, _find(method)
+        self.clean, self.callback = clean, callback
+        self.known, self.chosen = defaults(method), chosen
+        for name in chosen:
+            if name not in self.known:
+                raise ValueError(
+                    f"{method} has no parameter {name!r}; it has {', '.join(self.known)}"
+                )
+
+    def filled_in(self, parameters):
+        """The parameters with those that are None chosen from the mesh."""
+        fill_in = self.method.fill_in
+        return fill_in(self.V, self.F, parameters) if fill_in else parameters
+
+    def report(self, progress):
+        """Tell the callback; it may cancel."""
+        if self.callback is not None and self.callback(progress) is False:
+            raise _CancelledError
+
+    def states(self, V, parameters, report):
+        """Yield the state before the filter, and one for each new positions that it yields.
+
+        Without a function ``report`` they are not compared with the clean mesh.
+        """
+        history = self._measured(V) if report else ()
+        yield _State(V.copy(), parameters, history)
+        last = V
+        for progress, X in self.method.function(V, self.F, **parameters):
+            if X is not last:
+                history += self._measured(X) if report else ()
+                yield _State(X, parameters, history)
+                last = X
+            if report:
+                report(progress)
+
+    def better_states(self, meshes, score):
+        """Yield states of all trials, each with a smaller score than those before.
+
+        The filter runs on all ``meshes``, the first of them the noisy one; ``score`` is
+        a function of what it makes of each.
+        """
+        trials = []
+        for candidate in self.method.candidates:
+            parameters = self.filled_in(self.known | candidate | self.chosen)
+            if not any(_same(parameters, trial) for trial in trials):
+                trials.append(parameters)
+        best = _State(self.V.copy(), trials[0], self._measured(self.V), np.inf)
+        yield best
+        for number, parameters in enumerate(trials):
+
+            def report(progress, number=number):
+                self.report((number + progress) / len(trials))
+
+            reports = [report, *[None] * (len(meshes) - 1)]
+            runs = [self._results(V, parameters, r) for V, r in zip(meshes, reports, strict=True)]
+            for states in zip(*runs, strict=True):
+                found = score(*(state.V for state in states))
+                if found < best.score:
+                    best = states[0]._replace(score=found)
+                    yield best
+
+    def _results(self, V, parameters, report):
+        """Those of a trial's states that some parameters end with, with these parameters."""
+        for k, state in enumerate(self.states(V, parameters, report)):
+            if self.method.stopped:
+                yield state._replace(parameters=self.method.stopped(parameters, k))
+        if not self.method.stopped:
+            yield state
+
+    def ended(self, states):
+        """The last of these states as a result; its score is the risk."""
+        finished = True
+        try:
+            for state in states:
+                last = state
+        except _CancelledError:
+            finished = False
+        history = None if self.clean is None else _table(last.history)
+        seconds = perf_counter() - self.start
+        return Denoised(last.V, self.name, last.parameters, history, last.score, seconds, finished)
+
+    def _measured(self, V):
+        """A row of the history, if there is a clean mesh."""
+        if self.clean is None:
+            return ()
+        return ((normal_angle(V, self.clean, self.F), snr(self.clean, V)),)
+
+
+def _find(method):
+    if method not in _METHODS:
+        raise ValueError(f"no method is called {method!r}; there are {', '.join(_METHODS)}")
+    return _METHODS[method]
+
+
+def _same(first, second):
+    """Whether parameters agree; ``fixed`` may be an array."""
+    return all(np.array_equal(first[name], second[name]) for name in first)
+
+
+def _table(history):
+    import pandas as pd  # a third of a second to load, for this table alone
+
+    table = pd.DataFrame(history, columns=["normal_angle", "snr"])
+    table.insert(0, "iteration", range(len(table)))
+    return table

@@ -1,0 +1,166 @@
+"""The front: every filter by name; automatic parameters against those that the clean mesh picks."""
+
+import numpy as np
+import pytest
+
+import meshfair
+from meshes import pair
+from meshfair import denoising, filters, metrics, noise, operators, shapes, weights
+
+NAMES = [
+    "averaging", "heat", "implicit", "regularised", "taubin", "bilateral", "sun",
+    "bilateral-normal", "guided-normal", "l0", "feature-convinced",
+]  # fmt: skip
+QUICK = [name for name in NAMES if name != "l0"]
+
+
+@pytest.fixture
+def noisy_box():
+    V, F = shapes.box(segments=10)
+    return noise.along_normals(V, F, 0.2, np.random.default_rng(2)), V, F
+
+
+def test_every_filter_has_its_name():
+    assert set(denoising.methods()) >= set(NAMES)
+    assert {name.replace("-", "_") for name in NAMES} == set(filters.__all__)
+
+
+@pytest.mark.parametrize("method", NAMES)
+def test_a_method_is_its_filter_with_what_is_recorded(method, noisy_box):
+    V, clean, F = noisy_box
+    result = meshfair.denoise(V, F, method, clean=clean)
+    states = list(getattr(filters, method.replace("-", "_"))(V, F, **result.parameters))
+    np.testing.assert_array_equal(result.V, states[-1][1])
+    assert set(result.parameters) == set(denoising.defaults(method))
+    assert "fixed" in result.parameters
+    assert result.finished
+    assert result.seconds > 0
+    history = result.history
+    assert list(history.columns) == ["iteration", "normal_angle", "snr"]
+    assert history["snr"].iloc[0] == noise.snr(clean, V)
+    assert history["snr"].iloc[-1] == noise.snr(clean, result.V)
+    assert history["normal_angle"].iloc[-1] == metrics.normal_angle(result.V, clean, F)
+    assert result.risk is None
+
+
+@pytest.mark.parametrize("method", QUICK)
+def test_automatic_parameters_give_the_same_mesh_again(method, noisy_box):
+    V, clean, F = noisy_box
+    auto = meshfair.denoise(V, F, method, parameters="auto", clean=clean)
+    again = meshfair.denoise(V, F, method, **auto.parameters)
+    np.testing.assert_array_equal(auto.V, again.V)
+    assert auto.history["snr"].iloc[-1] == noise.snr(clean, auto.V)
+
+
+@pytest.mark.parametrize("method", QUICK)
+def test_automatic_parameters_are_nearly_those_that_the_clean_mesh_picks(method):
+    V, F = shapes.torus(sections=80, sides=32)
+    noisy = noise.along_normals(V, F, 0.2, np.random.default_rng(8))
+    before = metrics.normal_angle(noisy, V, F)
+    best = metrics.normal_angle(denoising.tune(noisy, F, method, V).V, V, F)
+    auto = meshfair.denoise(noisy, F, method, parameters="auto")
+    found = metrics.normal_angle(auto.V, V, F)
+    assert best <= found
+    # Of what the best of the same candidates gains, nine tenths without the clean mesh.
+    assert before - found > 0.9 * (before - best)
+
+
+def test_a_clean_mesh_is_left_nearly_alone():
+    V, F = shapes.icosphere(4)
+    auto = meshfair.denoise(V, F, "taubin", parameters="auto", sigma=0.0)
+    np.testing.assert_array_equal(auto.V, V)
+    assert auto.parameters["iterations"] == 0
+
+
+def test_fixed_vertices_stay(noisy_box):
+    V, _, F = noisy_box
+    fixed = np.arange(0, len(V), 3)
+    for method in NAMES:
+        result = meshfair.denoise(V, F, method, fixed=fixed)
+        np.testing.assert_array_equal(result.V[fixed], V[fixed])
+        assert not np.allclose(result.V, V)
+    auto = meshfair.denoise(V, F, "bilateral", parameters="auto", fixed=fixed)
+    np.testing.assert_array_equal(auto.V[fixed], V[fixed])
+
+
+def test_progress_and_cancelling(noisy_box):
+    V, _, F = noisy_box
+    seen = []
+    meshfair.denoise(V, F, "taubin", iterations=4, callback=seen.append)
+    assert seen == [0.25, 0.5, 0.75, 1.0]
+    *_, second, _, _ = (X for _, X in filters.taubin(V, F, iterations=4))
+    stopped = meshfair.denoise(V, F, "taubin", iterations=4, callback=lambda p: p < 0.5)
+    assert not stopped.finished
+    np.testing.assert_array_equal(stopped.V, second)
+    seen.clear()
+    meshfair.denoise(V, F, "implicit", parameters="auto", callback=seen.append)
+    assert seen == sorted(seen)
+    assert seen[-1] == 1.0
+    early = meshfair.denoise(V, F, "implicit", parameters="auto", callback=lambda p: False)
+    assert not early.finished
+    np.testing.assert_array_equal(early.V, V)
+
+
+def test_a_given_parameter_is_kept(noisy_box):
+    V, _, F = noisy_box
+    auto = meshfair.denoise(V, F, "implicit", parameters="auto", weights="combinatorial", steps=2)
+    assert auto.parameters["weights"] == "combinatorial"
+    assert auto.parameters["steps"] == 2
+    auto = meshfair.denoise(V, F, "bilateral", parameters="auto", iterations=3)
+    assert auto.parameters["iterations"] <= 3  # the most that are made
+
+
+def test_a_filter_of_ones_own(noisy_box, monkeypatch):
+    V, clean, F = noisy_box
+    monkeypatch.setattr(denoising, "_METHODS", dict(denoising._METHODS))
+
+    @denoising.register(
+        "halfway",
+        candidates=[{"iterations": 6}],
+        stopped=lambda parameters, k: parameters | {"iterations": k},
+    )
+    def halfway(V, F, *, iterations=3):
+        A = operators.averaging(weights.combinatorial(F, len(V)))
+        for k in range(iterations):
+            V = (V + A @ V) / 2
+            yield (k + 1) / iterations, V
+
+    assert "halfway" in denoising.methods()
+    by_name = meshfair.denoise(V, F, "halfway", iterations=2)
+    *_, (_, expected) = filters.heat(V, F, tau=0.5, time=1.0)
+    np.testing.assert_allclose(by_name.V, expected, atol=1e-12)
+    auto = meshfair.denoise(V, F, "halfway", parameters="auto", clean=clean)
+    assert 1 <= auto.parameters["iterations"] <= 6
+
+
+@pytest.mark.parametrize(
+    ("arguments", "wrong"),
+    [
+        ({"method": "laplace"}, "no method is called 'laplace'; there are averaging, heat, "),
+        ({"method": "sun", "sigma_normal": 1}, "sun has no parameter 'sigma_normal'; it has thr"),
+        ({"parameters": "best"}, "parameters is 'best'; give 'default' or 'auto'"),
+        ({"method": "taubin", "iterations": -1}, "iterations is -1"),
+        ({"parameters": "auto", "sigma": -1.0}, "sigma"),
+    ],
+)
+def test_wrong_arguments_are_named(noisy_box, arguments, wrong):
+    V, _, F = noisy_box
+    with pytest.raises(ValueError, match=wrong):
+        meshfair.denoise(V, F, **arguments)
+
+
+def test_a_clean_mesh_of_another_size(noisy_box):
+    V, clean, F = noisy_box
+    with pytest.raises(meshfair.MeshError, match="clean"):
+        meshfair.denoise(V, F, clean=clean[:-1])
+
+
+# What is asked of the best method with automatic parameters, in degrees.
+@pytest.mark.parametrize(
+    ("name", "method", "at_most"),
+    [("Fandisk0.3", "feature-convinced", 2.9), ("Bunny0.2", "bilateral-normal", 5.5)],
+)
+def test_automatic_parameters_on_public_pairs(mirror, name, method, at_most):
+    V, clean, F = pair(mirror, name)
+    auto = meshfair.denoise(V, F, method, parameters="auto")
+    assert metrics.normal_angle(auto.V, clean, F) <= at_most
