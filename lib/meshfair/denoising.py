@@ -1,6 +1,7 @@
 """One front for all filters: `denoise` by name, with chosen, default or automatic parameters."""
 
 import inspect
+from itertools import product
 from time import perf_counter
 from typing import NamedTuple
 
@@ -59,9 +60,9 @@ def _heat_until(parameters, k):
     return parameters | {"time": min(parameters["time"], k * parameters["tau"])}
 
 
-def _each(name, *values, **others):
-    """Candidates with several values of one parameter."""
-    return [{name: value, **others} for value in values]
+def _grid(**values):
+    """Candidates with all combinations of several parameters' values."""
+    return [dict(zip(values, chosen, strict=True)) for chosen in product(*values.values())]
 
 
 # Candidates are spread so widely that the best lies among them, on smooth and on sharp meshes.
@@ -70,23 +71,27 @@ _STRENGTHS = (0.0, 0.0625, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 _METHODS = {
     "averaging": Method(filters.averaging, [{"steps": 30}], _at_most("steps")),
     "heat": Method(filters.heat, [{"time": 20.0}], _heat_until),
-    "implicit": Method(filters.implicit, _each("step", *_STRENGTHS)),
-    "regularised": Method(filters.regularised, _each("strength", *_STRENGTHS)),
+    "implicit": Method(filters.implicit, _grid(step=_STRENGTHS)),
+    "regularised": Method(filters.regularised, _grid(order=(1, 2), strength=_STRENGTHS)),
     "taubin": Method(filters.taubin, [{"iterations": 60}], _at_most("iterations")),
     "bilateral": Method(filters.bilateral, [{"iterations": 20}], _at_most("iterations")),
-    "sun": Method(filters.sun, _each("threshold", 0.3, 0.5, 0.7), _at_most("vertex_iterations")),
+    "sun": Method(
+        filters.sun,
+        _grid(normal_iterations=(5, 20), threshold=(0.3, 0.6)),
+        _at_most("vertex_iterations"),
+    ),
     "bilateral-normal": Method(
         filters.bilateral_normal,
-        _each("normal_iterations", 5, 20) + _each("normal_iterations", 5, 20, sigma_normal=0.5),
+        _grid(normal_iterations=(2, 5, 20), sigma_normal=(0.35, 0.5)),
         _at_most("vertex_iterations"),
     ),
     "guided-normal": Method(
-        filters.guided_normal, _each("sigma_normal", 0.35, 0.5), _at_most("iterations")
+        filters.guided_normal, _grid(sigma_normal=(0.35, 0.5)), _at_most("iterations")
     ),
-    "l0": Method(filters.l0, _each("flatness", 0.05, 0.2)),
+    "l0": Method(filters.l0, _grid(flatness=(0.05, 0.2))),
     "feature-convinced": Method(
         filters.feature_convinced,
-        _each("sigma_normal", 0.25, 0.35, 0.5),
+        _grid(vertex_iterations=(1, 2), sigma_normal=(0.25, 0.35, 0.5)),
         _at_most("rounds"),
         fill_in,
     ),

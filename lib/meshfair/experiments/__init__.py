@@ -2,6 +2,7 @@
 
 from meshfair.experiments.beyond import agreement, full_resolution, origin, reduction, spectrum
 from meshfair.experiments.cases import MESHES, NOISE, WEIGHTS, NotDownloadedError, load_mesh
+from meshfair.experiments.quality import PAIRS, denoised, noisy_and_clean, quality
 from meshfair.experiments.seed import (
     curves,
     distance_readings,
@@ -16,16 +17,20 @@ from meshfair.experiments.sweep import sweep
 __all__ = [
     "MESHES",
     "NOISE",
+    "PAIRS",
     "WEIGHTS",
     "NotDownloadedError",
     "agreement",
     "curves",
+    "denoised",
     "distance_readings",
     "full_resolution",
     "knot_meshes",
     "load_mesh",
+    "noisy_and_clean",
     "origin",
     "part_errors",
+    "quality",
     "reduction",
     "spectrum",
     "stopping",

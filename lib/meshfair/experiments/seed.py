@@ -219,6 +219,17 @@ def knot_meshes(seed=1, steps=(1, 10)):
     return meshes
 
 
+def missile_vertices():
+    """Which vertices of the jet belong to its missiles.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+    """
+    labels, names = jet_labels()
+    return np.array(["missile" in name for name in names])[labels]
+
+
 def part_errors(mesh, noise, seed, *, size=None, decibels=None, tau=TAU, time=TIME):
     """How far the jet's missiles and its other parts are from the clean ones.
 
@@ -244,8 +255,7 @@ def part_errors(mesh, noise, seed, *, size=None, decibels=None, tau=TAU, time=TI
     if mesh != "jet":
         raise MeshError(f"{mesh!r} has no missiles that are known as such; give 'jet'")
     V, F = load_mesh(mesh)
-    labels, names = jet_labels()
-    missile = np.array(["missile" in name for name in names])[labels]
+    missile = missile_vertices()
     unit = mean_edge_length(V, F)
     V_noisy = add_noise(V, F, noise, seed, size=size, decibels=decibels)
     rows = []
