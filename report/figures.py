@@ -4,21 +4,28 @@ Meshes are PNG files, all of one mesh from one camera; curves are SVG. Numbers
 in curves come from the experiments' tables in ``data``.
 """
 
+import json
+
 import numpy as np
 from PIL import Image
 
-from meshfair import experiments, flow, plotting
+from meshfair import denoising, experiments, filters, flow, plotting
 from meshfair.experiments.cases import WEIGHTS, add_noise, load_mesh, operator
 from meshfair.experiments.seed import F16_DECIBELS, TAU, TIME
-from meshfair.mesh import clean, cluster, edges, half_edges, mean_edge_length
+from meshfair.mesh import clean, cluster, edges, half_edges, mean_edge_length, vertex_normals
+from meshfair.metrics import normal_angles
+from meshfair.risk import Risk
 from meshfair.shapes import jet_parts
 from meshfair.viewer import Camera, render
-from tables import JET_NOISE, SEED
+from tables import JET_NOISE, QUALITY_NOISE, SEED
 
 PIXELS = (1000, 750)
 WIDE = (1400, 700)
 LOW = (1000, 480)
+LOW_PIXELS = (600, 450)
+LOW_WIDE = (800, 400)
 ERRORS = "viridis"
+ANGLES = "reds"
 
 
 def photograph(path, V, F, camera, size=PIXELS, **options):
@@ -26,11 +33,14 @@ def photograph(path, V, F, camera, size=PIXELS, **options):
     Image.fromarray(render(V, F, camera, size=size, **options)).save(path)
 
 
-def colour_bar(path, limits, label):
-    """A colour bar of its own, to stand below a row of meshes."""
+def colour_bar(path, limits, label, colours=ERRORS):
+    """A colour bar of its own, to stand below a row of meshes; ``colours`` as Polyscope has it."""
     with plotting.figure(path, (4.0, 0.5)) as axes:
         axes.imshow(
-            np.linspace(0, 1, 256)[None], aspect="auto", extent=(*limits, 0, 1), cmap=ERRORS
+            np.linspace(0, 1, 256)[None],
+            aspect="auto",
+            extent=(*limits, 0, 1),
+            cmap={"reds": "Reds"}.get(colours, colours),
         )
         axes.set(yticks=[], xlabel=label)
         axes.grid(False)
@@ -272,10 +282,77 @@ def bad_faces(F):
     return repeated | at_crowded
 
 
+WALLS = {
+    "box": {"direction": (0.5, -0.75, 0.45)},
+    "torus": {"direction": (0.3, -0.7, 0.75)},
+    "jet": JET_CAMERA,
+    "fandisk": {"direction": (0.5, -0.6, 0.6)},
+}
+WALL_ANGLES = (0.0, 30.0)
+
+
+def wall(folder, data):
+    """Every method with automatic parameters, coloured by the angle to the clean normals."""
+    table = data["quality"]
+    for mesh in WALLS:
+        rows = table[(table["mesh"] == mesh) & (table["parameters"] != "tuned")]
+        if rows.empty:
+            continue
+        noisy, V, F = experiments.noisy_and_clean(mesh, QUALITY_NOISE, SEED)
+        camera = Camera.around(np.concatenate([V, noisy]), **WALLS[mesh])
+        size = LOW_WIDE if WALLS[mesh].get("aspect") == 2.0 else LOW_PIXELS
+        options = {"limits": WALL_ANGLES, "colours": ANGLES}
+        photograph(
+            folder / f"wall-{mesh}-none.png", noisy, F, camera, size,
+            values=normal_angles(noisy, V, F), **options,
+        )  # fmt: skip
+        for row in rows[rows["parameters"] == "auto"].itertuples():
+            X = denoising.denoise(noisy, F, row.method, **json.loads(row.used)).V
+            photograph(
+                folder / f"wall-{mesh}-{row.method}.png", X, F, camera, size,
+                values=normal_angles(X, V, F), **options,
+            )  # fmt: skip
+    colour_bar(
+        folder / "wall-angles.svg", WALL_ANGLES, "angle to the clean normal, in degrees", ANGLES
+    )
+
+
+def risk(folder, _):
+    """Stein's estimate beside the true risk, over the iterations of two filters."""
+    with plotting.figure(folder / "risk.svg", columns=2, sharey=True) as panels:
+        for axes, mesh in zip(panels, ("torus", "jet"), strict=True):
+            noisy, V, F = experiments.noisy_and_clean(mesh, QUALITY_NOISE, SEED)
+            estimated = Risk(noisy, F, np.random.default_rng(SEED))
+            unit = true_risk(noisy, V, F)
+            for method, colour in (("taubin", "#0072B2"), ("bilateral", "#D55E00")):
+                apply = getattr(filters, method)
+                meshes = noisy, estimated.V_probed
+                runs = zip(*(apply(X, F, iterations=15) for X in meshes), strict=True)
+                states = [meshes, *((X, Y) for (_, X), (_, Y) in runs)]
+                guess = np.array([estimated(X, Y) for X, Y in states]) / unit
+                truth = np.array([true_risk(X, V, F) for X, _ in states]) / unit
+                for risks, style, face in ((guess, "-", colour), (truth, "--", "white")):
+                    label = f"{method}, {'estimated' if style == '-' else 'true'}"
+                    axes.plot(risks, style, color=colour, label=label)
+                    least = risks.argmin()
+                    axes.plot(least, risks[least], "o", color=colour, ms=5, mfc=face)
+            axes.set(title=mesh, xlabel="iterations", xticks=range(0, 16, 5))
+        panels[0].set_ylabel("risk, relative to the noisy mesh")
+        panels[0].legend(fontsize=7.5)
+
+
+def true_risk(V, V_clean, F):
+    """What `Risk` estimates: the mean squared difference of the errors' heights along edges."""
+    heights = np.sum((V - V_clean) * vertex_normals(V, F), axis=1)
+    E, _ = edges(F)
+    return np.mean((heights[E[:, 0]] - heights[E[:, 1]]) ** 2)
+
+
 FIGURES = {
     draw.__name__: draw
     for draw in (
         cotangent_angles, knot_meshes, knot_curves, spectrum, jet_meshes, jet_curves,
         jet_without_missiles, f16, full_resolution, reduction, agreement,
+        wall, risk,
     )
 }  # fmt: skip

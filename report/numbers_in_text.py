@@ -1,10 +1,11 @@
 """Every number that the report's text names, computed from the experiments' tables."""
 
 from meshfair import shapes
-from meshfair.experiments import load_mesh
+from meshfair.experiments import PAIRS, load_mesh, noisy_and_clean
 from meshfair.experiments.seed import F16_DECIBELS, KNOT_DECIBELS, TAU, TIME
 from meshfair.mesh import components, edges, mean_edge_length, unique_faces
-from tables import JET_NOISE
+from meshfair.noise import estimate
+from tables import JET_NOISE, QUALITY_NOISE, SEED
 
 SHORT = {"combinatorial": "comb", "distance": "dist", "cotangent": "cot"}
 
@@ -32,6 +33,7 @@ def numbers(data):
     }
     for name in ("f16", "bunny"):
         found[f"has-{name}"] = name in data
+    found["has-pairs"] = set(PAIRS) <= set(data["quality"]["mesh"])
     for part in (
         _meshes,
         _table_1,
@@ -42,6 +44,7 @@ def numbers(data):
         _reduction,
         _origin,
         _agreement,
+        _quality,
     ):
         found |= part(data)
     return found
@@ -214,3 +217,44 @@ def _agreement(data):
         "agree-volume-snr": f"{-100 * table['volume_at_snr_time'].min():.0f}",
         "agree-volume-angle": f"{-100 * table['volume_at_angle_time'].min():.0f}",
     }
+
+
+def _quality(data):
+    table = data["quality"]
+    angle = table[table["method"] != "none"].pivot(
+        index=["mesh", "method"], columns="parameters", values="normal_angle"
+    )
+    excess = angle["auto"] / angle["tuned"]
+    jet = table[table["mesh"] == "jet"].set_index(["method", "parameters"])
+    automatic = jet.xs("auto", level="parameters")["missile_error"]
+    averaging = data["missiles"].set_index("weights")["missile_error"]
+    guesses = {
+        mesh: estimate(*noisy_and_clean(mesh, QUALITY_NOISE, SEED)[::2])
+        for mesh in ("box", "torus", "knot", "jet")
+    }
+    volume = table.set_index(["mesh", "method", "parameters"])["volume_change"].mul(-100)
+    found = {
+        "torus-averaging-volume": f"{volume['torus', 'averaging', 'auto']:.0f}",
+        "torus-features-volume": f"{volume['torus', 'feature-convinced', 'auto']:.1f}",
+        "knot-averaging-volume": f"{volume['knot', 'averaging', 'auto']:.0f}",
+        "quality-noise": f"{QUALITY_NOISE:g}",
+        "quality-methods": str(table["method"].nunique() - 1),
+        "quality-excess": f"{100 * (excess.median() - 1):.0f}",
+        "quality-near": str((excess < 1.1).sum()),
+        "quality-all": str(len(excess)),
+        "estimate-low": f"{min(guesses.values()):.3f}",
+        "estimate-low-mesh": min(guesses, key=guesses.get),
+        "estimate-high": f"{max(guesses.values()):.3f}",
+        "missiles-noisy": f"{jet.loc[('none', 'default'), 'missile_error']:.3f}",
+        "missiles-best": f"{automatic.min():.3f}",
+        "missiles-best-method": automatic.idxmin(),
+        "missiles-averaging": f"{averaging.min():.3f}",
+        "missiles-averaging-weights": averaging.idxmin(),
+    }
+    if PAIRS.keys() <= set(table["mesh"]):
+        for mesh, short in (("fandisk", "fandisk"), ("bunny pair", "pair")):
+            auto = angle.loc[mesh]["auto"]
+            found[f"{short}-best"] = f"{auto.min():.2f}"
+            found[f"{short}-best-method"] = auto.idxmin()
+            found[f"{short}-size"] = f"{PAIRS[mesh].size:g}"
+    return found

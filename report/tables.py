@@ -13,6 +13,7 @@ from meshfair.experiments.seed import F16_DECIBELS, KNOT_DECIBELS
 
 SEED = 1  # of every single-draw experiment
 JET_NOISE = {"noise": "normals", "size": 0.3}
+QUALITY_NOISE = 0.2  # along the normals, in mean edge lengths
 
 
 def needs(name):
@@ -101,10 +102,25 @@ def agreement(**_):
     return experiments.agreement(cases, seed=SEED)
 
 
+def quality(journal, **_):
+    """Every filter, with default, automatic and tuned parameters."""
+    meshes = ["box", "torus", "knot", "jet"]
+    for mesh, pair in experiments.PAIRS.items():
+        if datasets.find(pair.clean) and datasets.find(pair.noisy):
+            meshes.append(mesh)
+    return experiments.quality(meshes, QUALITY_NOISE, SEED, path=journal)
+
+
+def missiles(**_):
+    """The averaging filters at their best for the jet's missiles, with the same noise."""
+    return experiments.averaging_for_missiles(QUALITY_NOISE, SEED)
+
+
 TABLES = {
     make.__name__: make
     for make in (
         table_1, distance_readings, knot, spectrum, jet, jet_parts, jet_without_missiles,
-        f16, bunny, large_sphere, reduction, origin, agreement,
+        f16, bunny, large_sphere, reduction, origin, agreement, quality,
+        missiles,
     )
 }  # fmt: skip

@@ -2,7 +2,13 @@
 
 from meshfair.experiments.beyond import agreement, full_resolution, origin, reduction, spectrum
 from meshfair.experiments.cases import MESHES, NOISE, WEIGHTS, NotDownloadedError, load_mesh
-from meshfair.experiments.quality import PAIRS, denoised, noisy_and_clean, quality
+from meshfair.experiments.quality import (
+    PAIRS,
+    averaging_for_missiles,
+    denoised,
+    noisy_and_clean,
+    quality,
+)
 from meshfair.experiments.seed import (
     curves,
     distance_readings,
@@ -21,6 +27,7 @@ __all__ = [
     "WEIGHTS",
     "NotDownloadedError",
     "agreement",
+    "averaging_for_missiles",
     "curves",
     "denoised",
     "distance_readings",

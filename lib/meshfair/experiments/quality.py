@@ -1,23 +1,35 @@
 """Every filter on sharp and smooth meshes, with default, automatic and tuned parameters."""
 
 import json
+from typing import NamedTuple
 
 import numpy as np
 
-from meshfair import denoising
+from meshfair import denoising, flow
 from meshfair.checks import MeshError
-from meshfair.experiments.cases import add_noise, load_mesh
-from meshfair.experiments.seed import missile_vertices
+from meshfair.experiments.cases import WEIGHTS, add_noise, load_mesh, operator
+from meshfair.experiments.seed import TAU, TIME, missile_vertices
 from meshfair.experiments.sweep import sweep
 from meshfair.mesh import mean_edge_length
 from meshfair.metrics import compare
 
 PARAMETERS = ("default", "auto", "tuned")
-# Meshes of the public GuidedDenoising pairs: how much noise their noisy files have.
-PAIRS = {"fandisk": 0.3, "bunny pair": 0.2}
-_FILES = {
-    "fandisk": ("fandisk-clean", "fandisk-noisy"),
-    "bunny pair": ("bunny-clean", "bunny-noisy"),
+
+
+class Pair(NamedTuple):
+    """A mesh that is published both clean and noisy."""
+
+    clean: str
+    """Its name in `meshfair.datasets.SOURCES`."""
+    noisy: str
+    """As before."""
+    size: float
+    """The noise of the noisy one, in mean edge lengths."""
+
+
+PAIRS = {
+    "fandisk": Pair("fandisk-clean", "fandisk-noisy", 0.3),
+    "bunny pair": Pair("bunny-clean", "bunny-noisy", 0.2),
 }
 
 
@@ -44,8 +56,8 @@ def noisy_and_clean(mesh, size, seed):
     NotDownloadedError
         A mesh that ``make data`` has not fetched.
     """
-    if mesh in _FILES:
-        (V, F), (V_noisy, _) = (load_mesh(name) for name in _FILES[mesh])
+    if mesh in PAIRS:
+        (V, F), (V_noisy, _) = load_mesh(PAIRS[mesh].clean), load_mesh(PAIRS[mesh].noisy)
         return V_noisy, V, F
     V, F = load_mesh(mesh)
     return add_noise(V, F, "normals", seed, size=size), V, F
@@ -89,22 +101,80 @@ def score(mesh, method, parameters, size, seed):
     Returns
     -------
     dict
-        Those of `meshfair.metrics.compare`; used, the parameters as JSON; seconds;
-        on the jet missile_error, the mean distance of the missiles' vertices from
-        their clean places, in mean edge lengths.
+        What `measured` returns, and used, the parameters as JSON, and seconds.
     """
     if method == "none":
-        V_new, V, F = noisy_and_clean(mesh, size, seed)
-        facts = {"used": "{}", "seconds": 0.0}
-    else:
-        result, V, F = denoised(mesh, method, parameters, size, seed)
-        V_new = result.V
-        used = {name: value for name, value in result.parameters.items() if name != "fixed"}
-        facts = {"used": json.dumps(used), "seconds": result.seconds}
+        V_noisy, V, F = noisy_and_clean(mesh, size, seed)
+        return measured(mesh, V_noisy, V, F) | {"used": "{}", "seconds": 0.0}
+    result, V, F = denoised(mesh, method, parameters, size, seed)
+    used = {name: value for name, value in result.parameters.items() if name != "fixed"}
+    facts = {"used": json.dumps(used), "seconds": result.seconds}
+    return measured(mesh, result.V, V, F) | facts
+
+
+def measured(mesh, V_new, V, F):
+    """Every metric; on the jet, how far its missiles are off, too.
+
+    Parameters
+    ----------
+    mesh : str
+    V_new, V : ndarray of float64, shape (n, 3)
+        Denoised and clean.
+    F : ndarray of int64, shape (m, 3)
+
+    Returns
+    -------
+    dict
+        Those of `meshfair.metrics.compare`, and on the jet `missile_error`.
+    """
+    metrics = compare(V_new, F, V, F)
     if mesh == "jet":
-        distance = np.linalg.norm(V_new - V, axis=1)[missile_vertices()]
-        facts["missile_error"] = float(distance.mean() / mean_edge_length(V, F))
-    return compare(V_new, F, V, F) | facts
+        metrics["missile_error"] = missile_error(V_new, V, F)
+    return metrics
+
+
+def missile_error(V_new, V, F):
+    """How far the jet's missiles are off.
+
+    Parameters
+    ----------
+    V_new, V : ndarray of float64, shape (n, 3)
+        Denoised and clean.
+    F : ndarray of int64, shape (m, 3)
+
+    Returns
+    -------
+    float
+        Mean distance of the missiles' vertices from their clean places, in mean edge lengths.
+    """
+    distance = np.linalg.norm(V_new - V, axis=1)[missile_vertices()]
+    return float(distance.mean() / mean_edge_length(V, F))
+
+
+def averaging_for_missiles(size=0.2, seed=0, *, tau=TAU, time=TIME):
+    """The seed's three heat flows on the jet, each stopped when its missiles are best.
+
+    Parameters
+    ----------
+    size, seed
+        As in `quality`, with the same noise.
+    tau, time : float
+        Step and longest time.
+
+    Returns
+    -------
+    pandas.DataFrame
+        weights, time, and what `measured` returns.
+    """
+    import pandas as pd
+
+    V_noisy, V, F = noisy_and_clean("jet", size, seed)
+    rows = []
+    for name in WEIGHTS:
+        states = flow.heat(V_noisy, operator(V_noisy, F, name), tau, time)
+        best, X = min(states, key=lambda state: missile_error(state[1], V, F))
+        rows.append({"weights": name, "time": best} | measured("jet", X, V, F))
+    return pd.DataFrame(rows)
 
 
 def quality(meshes, size=0.2, seed=0, *, methods=None, path=None, progress=False):
@@ -125,7 +195,7 @@ def quality(meshes, size=0.2, seed=0, *, methods=None, path=None, progress=False
     Returns
     -------
     pandas.DataFrame
-        mesh, method, parameters, size, seed, and what `score` returns; method "none"
+        mesh, size, seed, method, parameters, and what `score` returns; method "none"
         with parameters "default" is the noisy mesh.
 
     Raises
@@ -138,9 +208,8 @@ def quality(meshes, size=0.2, seed=0, *, methods=None, path=None, progress=False
     methods = denoising.methods() if methods is None else list(methods)
     parts = []
     for mesh in meshes:
-        common = {
-            "experiment": score, "mesh": mesh, "size": PAIRS.get(mesh, size), "seed": seed,
-        }  # fmt: skip
+        noise = PAIRS[mesh].size if mesh in PAIRS else size
+        common = {"experiment": score, "mesh": mesh, "size": noise, "seed": seed}
         for which, ways in ((["none"], ["default"]), (methods, PARAMETERS)):
             grid = common | {"method": which, "parameters": ways}
             parts.append(sweep(grid, path=path, progress=progress))

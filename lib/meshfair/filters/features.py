@@ -12,7 +12,7 @@ from meshfair.filters.hinges import bending, hinges
 from meshfair.filters.neighbours import BLOCK, face_rings, face_shapes, incidence
 from meshfair.filters.normals import joint_bilateral, move_vertices, sun
 from meshfair.kernels import compiled, on_all_cores
-from meshfair.mesh import edge_lengths
+from meshfair.mesh import edges
 from meshfair.noise import estimate
 
 PATCH = 12  # faces at most in the mean that guides a face
@@ -136,6 +136,7 @@ def feature_convinced(
     noise, rounds = fill_in(V, F, {"noise": noise, "rounds": rounds}).values()
     effort = effort_for(noise)
     H = hinges(F)
+    E, _ = edges(F)
     B = incidence(F, len(V))
     R = face_rings(B)
     for k in range(1, rounds + 1):
@@ -144,7 +145,7 @@ def feature_convinced(
         )
         N, area, C = face_shapes(V, F)
         G = crease_guidance(H.faces[~crease], N, area, C)
-        longest = float(np.sqrt(np.mean(edge_lengths(V, F) ** 2)))
+        longest = float(np.sqrt(3 * np.mean((V[E[:, 0]] - V[E[:, 1]]) ** 2)))
         for _ in range(effort.normal_iterations):
             N = joint_bilateral(R, N, G, C, area, sigma_normal, longest)
         for _ in range(vertex_iterations):
