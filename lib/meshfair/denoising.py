@@ -193,7 +193,7 @@ def denoise(
         iterations that is given is then the most that are made.
     sigma : float, optional
         For "auto": the noise's standard deviation, as a fraction of the mean edge
-        length, if it is known; else `meshfair.noise.estimate` estimates it.
+        length, if it is known; else `meshfair.noise.estimate` estimates it by differences.
     rng : numpy.random.Generator, optional
         For "auto": draws the estimate's probe; if none is given, the same one each time.
     clean : array_like, shape (n, 3), optional

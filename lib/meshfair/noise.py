@@ -121,42 +121,79 @@ def impulsive(V, F, sigma, fraction, rng):
     return V_noisy
 
 
-def estimate(V, F):
-    """The size of the noise on a mesh, estimated without the clean one [LLL+19].
+def estimate(V, F, by="lengths"):
+    """The size of the noise on a mesh, estimated without the clean one.
 
-    Noise makes edges longer: with normal displacements of standard deviation
-    sigma, the mean squared edge length grows by 2 sigma^2. Against a copy
-    that Sun's filter has smoothed (T = 0.4, 4 normal and 4 vertex iterations),
+    By "lengths" [LLL+19]: noise makes edges longer. With normal displacements of
+    standard deviation sigma, the mean squared edge length grows by 2 sigma^2.
+    Against a copy that Sun's filter has smoothed (T = 0.4, 4 normal and 4 vertex
+    iterations),
 
         sigma / mean edge = sqrt( msel(V) / (2 msel(smoothed)) - 1/2 ).
+
+    By "differences", as [DJ94] do for signals: with K = (I - W~)^3 and equal
+    weights, K V holds hardly any shape, but of the noise known parts, those of
+    row i with standard deviation sigma |K_i|. So, along normals n that one
+    averaging step has made reliable,
+
+        sigma = median_i |<(K V)_i, n_i>| / |K_i| / 0.6745,
+
+    with the median of |N(0, 1)|. Closer on coarse meshes, and with strong noise.
 
     Parameters
     ----------
     V : array_like, shape (n, 3)
     F : array_like of integers, shape (m, 3)
+    by : {"lengths", "differences"}
 
     Returns
     -------
     float
-        As a fraction of the mean edge length, as in `along_normals`. From
-        about 0.4 on too small, since strong noise also hides from the filter;
-        on clean meshes with much detail too large, since detail looks like
-        noise to it.
+        As a fraction of the mean edge length, as in `along_normals`; but of the
+        noisy mesh's, since the clean one's is unknown. From about 0.4 on
+        too small: normals are lost. On clean meshes with much detail
+        too large, since detail looks like noise.
 
     Raises
     ------
-    MeshError
-        No mesh.
+    MeshError, ValueError
+        No mesh; another word for ``by``.
     """
+    V, F = check_mesh(V, F)
+    if by not in _ESTIMATES:
+        raise ValueError(f"by is {by!r}; give one of {', '.join(_ESTIMATES)}")
+    return _ESTIMATES[by](V, F)
+
+
+def _estimate_by_lengths(V, F):
     # The filters build on this module's successors; so this cannot be imported above.
     from meshfair.filters.normals import sun
 
-    V, F = check_mesh(V, F)
     *_, (_, smoothed) = sun(
         V, F, threshold=0.4, normal_iterations=4, vertex_iterations=4, hold_boundary=False
     )
     before, after = (np.mean(edge_lengths(X, F) ** 2) for X in (V, smoothed))
     return float(np.sqrt(max(0.0, before / after - 1) / 2)) if after > 0 else 0.0
+
+
+def _estimate_by_differences(V, F):
+    from scipy.sparse import eye_array
+
+    from meshfair import operators, weights
+
+    A = operators.averaging(weights.combinatorial(F, len(V)))
+    R = eye_array(len(V), format="csr") - A
+    K = R @ R @ R
+    size = np.sqrt(K.power(2).sum(axis=1))
+    inside = size > 0  # a vertex without faces has no neighbours
+    length = mean_edge_length(V, F)
+    if length == 0:
+        return 0.0
+    heights = np.sum((K @ V) * vertex_normals(A @ V, F), axis=1)[inside] / size[inside]
+    return float(np.median(np.abs(heights)) / 0.6745 / length)
+
+
+_ESTIMATES = {"lengths": _estimate_by_lengths, "differences": _estimate_by_differences}
 
 
 def snr(V, V_noisy):

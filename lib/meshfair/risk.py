@@ -39,7 +39,8 @@ class Risk:
         Draws the probe, a sign for each vertex.
     sigma : float, optional
         Standard deviation of the noise along the normals, as a fraction of the
-        mean edge length. If it is not given, `meshfair.noise.estimate` estimates it.
+        mean edge length. If it is not given, `meshfair.noise.estimate` estimates it
+        by differences.
 
     Attributes
     ----------
@@ -55,14 +56,16 @@ class Risk:
     -----
     It holds for noise along the normals (isotropic noise included) that is
     independent at different vertices, and is as good as sigma. Noise
-    larger than 0.4 edges is underestimated, which makes little smoothing look best.
+    larger than 0.4 edges is underestimated, so that too little smoothing looks best.
     """
 
     def __init__(self, V, F, rng, sigma=None):
         self.V, self.F = check_mesh(V, F)
         check_rng(rng)
         length = mean_edge_length(self.V, self.F)
-        sigma = estimate(self.V, self.F) if sigma is None else check_number(sigma, "sigma", 0)
+        if sigma is None:
+            sigma = estimate(self.V, self.F, by="differences")
+        check_number(sigma, "sigma", 0)
         self.sigma = sigma * length
         self.edges = group_edges(self.F).ends
         self.step = PROBE * max(sigma, 1e-6) * length
