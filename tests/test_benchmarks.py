@@ -3,6 +3,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from meshfair import denoising
+
 BENCH = Path(__file__).parent / "benchmarks" / "bench.py"
 
 
@@ -25,6 +27,8 @@ def test_a_quick_benchmark_agrees_and_writes_its_tables(tmp_path):
         assert row["agrees"] in ("True", "not the same"), row
         assert float(row["seconds"]) > 0
         assert row["rounds"] == "1"
+    methods = [row["method"] for row in rows(tmp_path / "filters.csv")]
+    assert methods == denoising.methods()
     assert [row["vertices"] for row in rows(tmp_path / "scaling.csv")] == ["600", "2400"]
     assert {"processor", "cores", "numba"} <= {
         row["what"] for row in rows(tmp_path / "machine.csv")

@@ -6,9 +6,9 @@ Each library works in a process of its own on the same mesh, the Stanford bunny
 subdivided twice (a torus of that size where `make data` was not run). The
 libraries take turns, round by round, so that a busy machine slows them all; a
 figure is the median of the rounds. First it is checked that the answers agree
-where the algorithms are the same. Then `scaling.py` measures meshes of five
-sizes. The tables are printed and written as CSV files, from which the report
-takes its own.
+where the algorithms are the same. Then `filtering.py` measures every filter,
+and `scaling.py` meshes of five sizes. The tables are printed and written as CSV
+files, from which the report takes its own.
 
 bench.csv has a row for each task and contender:
 
@@ -27,6 +27,7 @@ bench.csv has a row for each task and contender:
     times_copy        step and steps: seconds over the time that copying as many bytes takes
                       as one step must read and write
 
+filters.csv has a row for each filter: seconds with its default parameters, median of rounds.
 scaling.csv has a row for each size: vertices, faces, nanoseconds per vertex of each part
 (pattern, cotangent, averaging, step, whole_flow) and peak_bytes_per_vertex, the most memory
 that the whole flow holds. machine.csv says what was measured on.
@@ -39,6 +40,7 @@ import multiprocessing
 import tempfile
 from pathlib import Path
 
+import filtering
 import measuring
 import numpy as np
 import scaling
@@ -237,6 +239,9 @@ def main(arguments=None):
                 print(f"{row['task']}: {row['times_copy']:.2f} times as long as copying its bytes")
         judge(rows)
         write(options.results / "bench.csv", rows)
+        if not options.task:
+            rounds = 1 if options.quick else options.rounds or 3
+            write(options.results / "filters.csv", filtering.table(rounds, options.quick))
         if not options.no_scaling:
             table = scaling.table(meshes, rounds=1 if options.quick else options.rounds or 3)
             write(options.results / "scaling.csv", table)

@@ -1,0 +1,66 @@
+"""Every filter with its default parameters: how long it takes on the public noisy Bunny."""
+
+import multiprocessing
+
+import measuring
+import numpy as np
+
+from meshfair import datasets, denoising, io, noise, shapes
+
+# Seconds that the package promises on two cores, on the bunny.
+PROMISED = {
+    "bilateral": 0.3, "sun": 0.4, "bilateral-normal": 0.6, "guided-normal": 4.5, "l0": 50.0,
+}  # fmt: skip
+# A filter that has taken so many seconds is not measured again.
+ENOUGH = 20
+
+
+def table(rounds, quick=False):
+    """Measure each filter in turn; print and return the rows."""
+    V, F, on = _mesh(quick)
+    print(f"filters, seconds with default parameters on {on}, {len(F):,} faces")
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        pool.apply(_load, (V, F))
+        rows = []
+        for method in denoising.methods():
+            times = []
+            while len(times) < rounds and sum(times) < ENOUGH:
+                times.append(pool.apply(_timed, (method,)))
+            seconds = measuring.median(times)
+            row = {"mesh": on, "faces": len(F), "method": method, "rounds": len(times)}
+            rows.append(row | {"seconds": seconds})
+            wanted = PROMISED.get(method)
+            if wanted is None or on != "bunny-noisy":
+                verdict = ""
+            else:
+                verdict = f"wanted {wanted}: {'kept' if seconds <= wanted else 'NOT KEPT'}"
+            print(f"  {method:20s} {seconds:8.3f} s  {verdict}")
+    return rows
+
+
+def _mesh(quick):
+    if quick:
+        V, F = shapes.box(segments=4)
+        return noise.along_normals(V, F, 0.2, np.random.default_rng(0)), F, "box"
+    try:
+        return *io.read(datasets.fetch("bunny-noisy")), "bunny-noisy"
+    except datasets.DownloadError as error:
+        print(f"without the bunny, on a torus: {error}")
+        V, F = shapes.torus(sections=292, sides=120)
+        return noise.along_normals(V, F, 0.2, np.random.default_rng(0)), F, "torus"
+
+
+# In the process that measures: the mesh, sent once.
+_LOADED = {}
+
+
+def _load(V, F):
+    _LOADED["mesh"] = V, F
+    small, T = shapes.icosphere(2)
+    for method in denoising.methods():  # compiles
+        denoising.denoise(small, T, method)
+
+
+def _timed(method):
+    seconds, _ = measuring.timed(lambda: denoising.denoise(*_LOADED["mesh"], method))
+    return seconds
