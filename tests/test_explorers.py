@@ -7,11 +7,23 @@ import numpy as np
 import pytest
 
 from drive import drive
-from meshfair import explorers, flow, metrics, noise, operators, shapes, viewer, weights
+from meshfair import (
+    denoising,
+    explorers,
+    flow,
+    metrics,
+    noise,
+    operators,
+    shapes,
+    viewer,
+    weights,
+)
 from meshfair.experiments.cases import add_noise, operator
 from meshfair.explorers.latest import Job, Latest
+from meshfair.viewer import colouring
 
 V, F = shapes.knot(40, 6)
+MESHES = {"box": shapes.box(segments=4), "knot": (V, F)}
 
 
 @pytest.fixture(autouse=True)
@@ -30,6 +42,7 @@ def quick_pictures(monkeypatch):
         lambda: explorers.StabilityExplorer(V, F, steps=5),
         lambda: explorers.JetExplorer(detail=0.5, steps=3),
         lambda: explorers.DenoisingExplorer(V, F, steps=5),
+        lambda: explorers.FilterExplorer(MESHES),
     ],
 )
 def test_every_control_works_at_both_ends(make):
@@ -157,6 +170,90 @@ def test_the_denoising_explorer_hands_out_what_it_shows():
     np.testing.assert_array_equal(F_shown, F)
     change = metrics.volume_change(V_shown, V, F)
     assert explorer.view.titles[1] == f"cotangent, t = 0.60, volume {100 * (1 + change):.2f} %"
+
+
+def test_the_filter_explorer_shows_what_denoise_makes_of_the_mesh():
+    explorer = explorers.FilterExplorer(MESHES, method="taubin", size=0.3, seed=2)
+    explorer.controls["mesh"].value = "knot"
+    explorer.controls["parameters"].value = "auto"
+    explorer.wait()
+    V_noisy = add_noise(V, F, "normals", 2, size=0.3)
+    expected = denoising.denoise(V_noisy, F, "taubin", parameters="auto", clean=V)
+    noisy, denoised, coloured = explorer.view.panels
+    np.testing.assert_array_equal(noisy.V, V_noisy)
+    np.testing.assert_array_equal(denoised.V, expected.V)
+    np.testing.assert_array_equal(coloured.V, expected.V)
+    np.testing.assert_array_equal(coloured.values, colouring.normal_angle(V, F)(expected.V))
+    assert explorer.result.parameters == expected.parameters
+    angle, decibels = metrics.normal_angle(expected.V, V, F), noise.snr(V, expected.V)
+    assert explorer.view.titles[1] == f"taubin: {decibels:.2f} dB, {angle:.2f}°"
+    for chart, column in zip(explorer.charts, ("normal_angle", "snr"), strict=True):
+        (curve,) = chart.series
+        np.testing.assert_allclose(curve["y"], expected.history[column])
+        assert chart.marker == len(expected.history) - 1
+    found = metrics.compare(expected.V, F, V, F)
+    for told in (f"{decibels:.2f} dB", f"{found['hausdorff']:.3f} edges"):
+        assert told in explorer.table.value
+    assert f"iterations = {expected.parameters['iterations']};" in explorer._note.value
+
+
+def test_the_filter_explorer_points_the_camera_at_another_mesh():
+    explorer = explorers.FilterExplorer(MESHES)
+    explorer.wait()
+    whole = explorer.view.camera
+    explorer.controls["method"].value = "heat"
+    explorer.wait()
+    assert explorer.view.camera == whole
+    explorer.controls["mesh"].value = "knot"
+    explorer.wait()
+    assert explorer.view.camera != whole
+    assert explorer.error is None
+
+
+@pytest.fixture
+def endless(monkeypatch):
+    """A method that yields until it is ended; tells that it is at work, and how often it began."""
+    monkeypatch.setattr(denoising, "_METHODS", dict(denoising._METHODS))
+    at_work, begun = threading.Event(), []
+
+    @denoising.register("endless")
+    def endless(V, F):
+        begun.append(len(V))
+        while True:
+            V = V * 0.999
+            yield 0.5, V
+            at_work.set()
+
+    return at_work, begun
+
+
+def test_a_new_choice_cancels_the_running_filter(endless):
+    at_work, begun = endless
+    explorer = explorers.FilterExplorer(MESHES, method="endless")
+    assert at_work.wait(20)
+    explorer.controls["method"].value = "heat"
+    explorer.wait(20)
+    assert begun == [len(MESHES["box"][0])]
+    assert explorer.result.method == "heat"
+    assert explorer.result.finished
+    assert explorer.view.titles[1].startswith("heat: ")
+    assert explorer.error is None
+
+
+def test_slow_work_shows_its_noisy_mesh_and_cancel_keeps_what_there_is(endless, monkeypatch):
+    monkeypatch.setattr(Job, "PATIENCE", 0.0)
+    at_work, _ = endless
+    explorer = explorers.FilterExplorer(MESHES, method="endless", size=0.3)
+    assert at_work.wait(20)
+    V_box, F_box = MESHES["box"]
+    V_noisy = add_noise(V_box, F_box, "normals", 1, size=0.3)
+    np.testing.assert_array_equal(explorer.view.panels[0].V, V_noisy)
+    assert explorer.view.titles[1] == "endless: at work"
+    explorer._cancel.click()
+    explorer.wait(20)
+    assert not explorer.result.finished
+    np.testing.assert_array_equal(explorer.view.panels[1].V, explorer.result.V)
+    assert explorer.view.titles[1].startswith("endless, cancelled: ")
 
 
 def test_a_failure_is_shown_in_one_line(monkeypatch):

@@ -9,6 +9,7 @@ say, and shows what comes back. Its ``controls`` can be set by code, too:
 
 from meshfair.explorers.chart import Chart
 from meshfair.explorers.explorer import Explorer
+from meshfair.explorers.filters import FilterExplorer
 from meshfair.explorers.flows import (
     AveragingExplorer,
     ComparisonExplorer,
@@ -25,6 +26,7 @@ __all__ = [
     "ComparisonExplorer",
     "DenoisingExplorer",
     "Explorer",
+    "FilterExplorer",
     "HeatExplorer",
     "JetExplorer",
     "NoiseExplorer",
