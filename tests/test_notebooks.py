@@ -104,6 +104,34 @@ CHECKS = {
         assert shown.shape == V.shape
         """,
     ),
+    "07": (
+        "SEGMENTS, SECTIONS, SIDES, DETAIL = 6, 40, 16, 0.5; JET_METHODS = ('bilateral-normal',)",
+        """
+        assert list(by_default.index) == ["noisy", *methods]
+        assert (by_default.loc["heat"] < by_default.loc["noisy"]).all()
+        normals = ["sun", "bilateral-normal", "guided-normal", "feature-convinced", "l0"]
+        assert by_default["box"][normals].max() < by_default["box"][list(flows)].min() / 2
+        assert by_auto["torus"].idxmin() in flows
+        for estimated, true in (curves.T for curves in risks.values()):
+            assert true[estimated.argmin()] < true[0]
+        assert best_snr < best_angle / 2
+        smooth_torus, stairs = cases["heat, best normals"], cases["l0"]
+        V_torus, F_torus = meshes["torus"]
+        assert metrics.snr(V_torus, stairs) > metrics.snr(V_torus, smooth_torus) + 3
+        turned = [metrics.normal_angle(X, V_torus, F_torus) for X in (stairs, smooth_torus)]
+        assert turned[0] > 2 * turned[1]
+        kept = part_errors(on_jet["bilateral-normal"])
+        for table in flown.values():
+            assert table["missiles"].iloc[-1] > table["missiles"].min()
+            assert kept[0] < table["aircraft"].min()
+        assert set(denoising.methods()) == {*methods, "leashed"}
+        long, short = (
+            metrics.normal_angle(own["box", m].V, *meshes["box"]) for m in ("averaging", "leashed")
+        )
+        assert short < long
+        assert explorer.result.finished and "dB" in explorer.table.value
+        """,
+    ),
 }
 
 pytestmark = pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
