@@ -384,3 +384,59 @@ def test_jet_in_both_themes_and_on_a_narrow_page(lab, browser, capsys):
     report(capsys, f"step slider to frame (three panels): {summary(steps)}")
     report(capsys, f"drag to frame (three panels): {summary(drags)}")
     student.page.close()
+
+
+def test_filters_by_name_and_cancelled_by_the_next_choice(lab, browser, capsys):
+    student = Student(browser, lab, "07-which-filter.ipynb", 1366, 900)
+    seconds = student.run_all()
+    cell = student.go_to("explorer")
+    student.settle(cell)
+    stages, captions = cell.locator(".stage"), cell.locator("figcaption")
+    assert stages.count() == 3
+    student.picture("07-box-light-wide")
+    stages.nth(1).evaluate(WATCH)
+
+    def choose(menu, entry, caption):
+        began = time.monotonic()
+        student.page.evaluate("window.seen.length = 0")
+        cell.get_by_role("combobox").nth(menu).select_option(entry)
+        student.page.wait_for_function(
+            "text => window.seen.some(frame => frame.caption.startsWith(text))",
+            arg=caption,
+            timeout=30_000,
+        )
+        return time.monotonic() - began
+
+    mesh, method = 0, 1
+    heat = choose(method, "heat", "heat: ")
+    torus = choose(mesh, "torus", "heat: ")
+    student.settle(cell)
+    student.picture("07-torus-light-wide")
+
+    # l0 on the jet takes seconds: the noisy jet is there meanwhile, and the bar; heat ends it.
+    cell.get_by_role("combobox").nth(method).select_option("l0")
+    choose(mesh, "jet", "l0: at work")
+    student.picture("07-at-work-light-wide")
+    jet = choose(method, "heat", "heat: ")
+    student.settle(cell)
+    assert "noisy: " in captions.nth(0).inner_text()
+    assert "mean normal angle" in cell.inner_text()
+    student.run("apputils:change-theme", theme="JupyterLab Dark")
+    student.page.wait_for_timeout(1000)
+    student.settle(cell)
+    student.picture("07-jet-dark-wide")
+    student.page.set_viewport_size({"width": 700, "height": 900})
+    student.run("application:toggle-left-area")
+    student.page.wait_for_timeout(1000)
+    cell = student.go_to("explorer")
+    student.settle(cell)
+    student.picture("07-jet-dark-narrow")
+    student.run("apputils:change-theme", theme="JupyterLab Light")
+
+    assert student.output_errors() == []
+    assert student.complaints == []
+    report(capsys, f"07: all cells in {seconds:.1f} s")
+    report(
+        capsys, f"another method, mesh, and one that cancels: {heat:.1f}, {torus:.1f}, {jet:.1f} s"
+    )
+    student.page.close()

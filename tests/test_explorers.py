@@ -249,11 +249,14 @@ def test_slow_work_shows_its_noisy_mesh_and_cancel_keeps_what_there_is(endless, 
     V_noisy = add_noise(V_box, F_box, "normals", 1, size=0.3)
     np.testing.assert_array_equal(explorer.view.panels[0].V, V_noisy)
     assert explorer.view.titles[1] == "endless: at work"
+    assert f"{noise.snr(V_box, V_noisy):.2f} dB" in explorer.table.value
+    assert "denoised" not in explorer.table.value
     explorer._cancel.click()
     explorer.wait(20)
     assert not explorer.result.finished
     np.testing.assert_array_equal(explorer.view.panels[1].V, explorer.result.V)
     assert explorer.view.titles[1].startswith("endless, cancelled: ")
+    assert "denoised" in explorer.table.value
 
 
 def test_a_failure_is_shown_in_one_line(monkeypatch):

@@ -15,8 +15,8 @@ from meshfair.viewer import View, colouring
 # The colour bar has the same ends for all methods, so that their colours can be compared.
 ANGLES = (0.0, 30.0)
 
-# What the table says of each number of `metrics.compare`: a row's name, and how to write it.
-ROWS = {
+# What the table says of each number of `metrics.compare`: its name, and how to write it.
+COLUMNS = {
     "snr": ("SNR", "{:.2f} dB"),
     "normal_angle": ("mean normal angle", "{:.2f}°"),
     "surface_distance": ("mean distance to the clean surface", "{:.3f} edges"),
@@ -24,6 +24,9 @@ ROWS = {
     "volume_change": ("change of volume", "{:+.2%}"),
     "area_change": ("change of area", "{:+.2%}"),
 }
+
+
+CELL = 'style="padding:0 0 0 1.5em;text-align:right;font-variant-numeric:tabular-nums"'
 
 
 class FilterExplorer(Explorer):
@@ -82,7 +85,8 @@ class FilterExplorer(Explorer):
             Chart(title="SNR of the denoised mesh", x_label="iteration", y_label="dB"),
         ]
         self.table = widgets.HTML()
-        self._begin(extra=[self.table])
+        self._begin()
+        self.widget.children += (self.table,)
 
     def _work(self, job, settings):
         V, F = self._meshes[settings["mesh"]]
@@ -96,6 +100,7 @@ class FilterExplorer(Explorer):
             if waiting and time.monotonic() > interim:
                 waiting = False
                 self._show(settings, V_noisy, V_noisy, before, f"{settings['method']}: at work")
+                self._tell({"noisy": before})
             try:
                 job.progress(done)
             except Obsolete:
@@ -121,9 +126,7 @@ class FilterExplorer(Explorer):
             before,
             f"{method}: {after['snr']:.2f} dB, {after['normal_angle']:.2f}°",
         )
-        self.table.value = _table(before, after)
-        self._draw(result.history)
-        self.say(_used(result))
+        self._tell({"noisy": before, "denoised": after}, result)
 
     def _start(self, settings):
         """The noisy mesh that the settings ask for, and its metrics."""
@@ -146,10 +149,18 @@ class FilterExplorer(Explorer):
             angles = colouring.normal_angle(V, F)(V_new)
             self.view.update(V_new, panel=2, F=F, values=angles, title="where its normals are off")
 
-    def _draw(self, history):
-        last = int(history["iteration"].iloc[-1])
+    def _tell(self, compared, result=None):
+        """Show the metrics of some meshes by name, and what a result has to say of itself."""
+        self.table.value = _table(compared)
+        self.say(_used(result) if result else "")
         for chart, column in zip(self.charts, ("normal_angle", "snr"), strict=True):
-            chart.draw({column: (history["iteration"], history[column])}, x_range=(0, max(last, 1)))
+            if result is None:
+                chart.marker = None
+                chart.draw({})
+                continue
+            iteration = result.history["iteration"]
+            last = int(iteration.iloc[-1])
+            chart.draw({column: (iteration, result.history[column])}, x_range=(0, max(last, 1)))
             chart.marker = last
 
 
@@ -163,22 +174,19 @@ def _used(result):
     return f"{result.method} with {written or 'no parameters'}; {result.seconds:.2f} s"
 
 
-def _table(before, after):
-    """The metrics of the noisy and of the denoised mesh, as HTML."""
+def _table(compared):
+    """The metrics of meshes by name, as HTML: a row for each."""
 
-    def cell(written, number):
-        text = "unknown" if number is None else written.format(number)
-        return f'<td style="padding:0 0 0 1.5em;text-align:right">{html.escape(text)}</td>'
+    def row(tag, name, texts):
+        cells = "".join(f"<{tag} {CELL}>{html.escape(text)}</{tag}>" for text in texts)
+        return f'<tr><th style="text-align:left">{name}</th>{cells}</tr>'
 
-    head = "".join(
-        f'<th style="padding:0 0 0 1.5em;text-align:right">{name}</th>'
-        for name in ("noisy", "denoised")
-    )
-    rows = "".join(
-        f"<tr><td>{name}</td>{cell(written, before[key])}{cell(written, after[key])}</tr>"
-        for key, (name, written) in ROWS.items()
-    )
-    return (
-        '<table style="border-collapse:collapse;line-height:1.5;font-variant-numeric:tabular-nums">'
-        f"<tr><th></th>{head}</tr>{rows}</table>"
-    )
+    rows = [row("th", "", (name for name, _ in COLUMNS.values()))]
+    for name, numbers in compared.items():
+        known = {key: numbers[key] for key in COLUMNS}
+        texts = (
+            "unknown" if number is None else COLUMNS[key][1].format(number)
+            for key, number in known.items()
+        )
+        rows.append(row("td", name, texts))
+    return f'<table style="border-collapse:collapse;line-height:1.5">{"".join(rows)}</table>'
