@@ -416,6 +416,7 @@ def test_filters_by_name_and_cancelled_by_the_next_choice(lab, browser, capsys):
     # l0 on the jet takes seconds: the noisy jet is there meanwhile, and the bar; heat ends it.
     cell.get_by_role("combobox").nth(method).select_option("l0")
     choose(mesh, "jet", "l0: at work")
+    cell.get_by_role("button", name="Cancel").wait_for(timeout=10_000)
     student.picture("07-at-work-light-wide")
     jet = choose(method, "heat", "heat: ")
     student.settle(cell)

@@ -85,8 +85,10 @@ class FilterExplorer(Explorer):
             Chart(title="SNR of the denoised mesh", x_label="iteration", y_label="dB"),
         ]
         self.table = widgets.HTML()
-        self._begin()
-        self.widget.children += (self.table,)
+        # Some methods take seconds: the progress stands where the choice was made.
+        self._begin(extra=[self._busy])
+        view, row, _ = self.widget.children
+        self.widget.children = (view, row, self._note, self.table)
 
     def _work(self, job, settings):
         V, F = self._meshes[settings["mesh"]]
