@@ -21,8 +21,8 @@ def timed(run):
     return time.perf_counter() - start, result
 
 
-def timed_with_memory(run):
-    """As `timed`, and the most memory in bytes that was held at any time, beyond that before.
+def peak_memory(run):
+    """Run once; return the most bytes held at any time, beyond those before, and what it returned.
 
     NaN where the system does not tell (all but Linux).
     """
@@ -31,9 +31,9 @@ def timed_with_memory(run):
         CLEAR.write_text("5")  # and the peak starts anew
         before = _status("VmRSS")
     except (OSError, AttributeError):
-        return *timed(run), float("nan")
-    seconds, result = timed(run)
-    return seconds, result, _status("VmHWM") - before
+        return float("nan"), run()
+    result = run()
+    return _status("VmHWM") - before, result
 
 
 def _status(field):

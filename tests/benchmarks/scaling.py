@@ -56,7 +56,7 @@ def measure(file, rounds):
         V, F = arrays["V"], arrays["F"]
     n = len(V)
     whole = explicit_flow(V, F, np.random.default_rng(0))
-    _, _, peak = measuring.timed_with_memory(whole)
+    peak, _ = measuring.peak_memory(whole)
     pattern = weights.Pattern(F, n)
     W = weights.cotangent(V, pattern)
     A = operators.averaging(weights.combinatorial(pattern, n))
