@@ -348,11 +348,26 @@ def true_risk(V, V_clean, F):
     return np.mean((heights[E[:, 0]] - heights[E[:, 1]]) ** 2)
 
 
+def scaling(folder, data):
+    """Time per vertex at five sizes, as `make bench` measured it."""
+    table = data["scaling"]
+    labels = {
+        "pattern_ns": "finding the edges", "cotangent_ns": "filling the cotangent weights",
+        "averaging_ns": r"$D^{-1} W$", "step_ns": "one averaging step",
+        "whole_flow_ns": "all of a flow of 20 steps",
+    }  # fmt: skip
+    with plotting.figure(folder / "scaling.svg", (4.6, 2.7)) as axes:
+        for column, label in labels.items():
+            axes.loglog(table["vertices"], table[column], "o-", ms=4, label=label)
+        axes.set(xlabel="vertices", ylabel="nanoseconds a vertex")
+        axes.set_ylim(top=axes.get_ylim()[1] * 3)
+        axes.legend(ncols=2, loc="upper center", fontsize=7.5)
+
+
 FIGURES = {
     draw.__name__: draw
     for draw in (
         cotangent_angles, knot_meshes, knot_curves, spectrum, jet_meshes, jet_curves,
-        jet_without_missiles, f16, full_resolution, reduction, agreement,
-        wall, risk,
+        jet_without_missiles, f16, full_resolution, scaling, reduction, agreement, wall, risk,
     )
 }  # fmt: skip

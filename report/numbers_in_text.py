@@ -16,7 +16,8 @@ def numbers(data):
     Parameters
     ----------
     data : dict of str to pandas.DataFrame
-        The experiments' tables by name; some may be missing.
+        The experiments' tables by name, some of which may be missing, and what
+        ``make bench`` measured: bench, scaling, machine.
 
     Returns
     -------
@@ -35,6 +36,7 @@ def numbers(data):
         found[f"has-{name}"] = name in data
     found["has-pairs"] = set(PAIRS) <= set(data["quality"]["mesh"])
     for part in (
+        _performance,
         _meshes,
         _table_1,
         _knot,
@@ -46,7 +48,10 @@ def numbers(data):
         _agreement,
         _quality,
     ):
-        found |= part(data)
+        new = part(data)
+        if taken := found.keys() & new.keys():
+            raise ValueError(f"{part.__name__} takes keys that are in use: {', '.join(taken)}")
+        found |= new
     return found
 
 
@@ -197,6 +202,40 @@ def _reduction(data):
     }
 
 
+def _performance(data):
+    bench, scaling = data["bench"], data["scaling"]
+    seconds = bench.set_index(["task", "contender"])["seconds"]
+    times_copy = bench[bench["contender"] == "ours"].set_index("task")["times_copy"]
+    growth = scaling.set_index("vertices")["whole_flow_ns"]
+    filters = data["filters"].set_index("method")["seconds"]
+
+    def times(task, theirs, ours="ours"):
+        return f"{seconds[task, theirs] / seconds[task, ours]:.1f}"
+
+    others = seconds["implicit"].drop("ours")
+    return {
+        "bench-vertices": f"{bench['vertices'].max():,}",
+        "bench-libigl": times("weights", "libigl", "ours, from nothing"),
+        "bench-libigl-known": times("weights", "libigl", "ours, pattern known"),
+        "bench-step-open3d": times("step", "Open3D"),
+        "bench-step-trimesh": times("step", "trimesh"),
+        "bench-steps-open3d": times("steps", "Open3D"),
+        "bench-steps-trimesh": times("steps", "trimesh"),
+        "bench-implicit": times("implicit", others.idxmin()),
+        "bench-implicit-other": others.idxmin(),
+        "bench-step-copy": f"{times_copy['step']:.1f}",
+        "bench-steps-copy": f"{times_copy['steps']:.1f}",
+        "scaling-smallest": f"{growth.index[1]:,}",
+        "scaling-largest": f"{growth.index[-1]:,}",
+        "scaling-growth": f"{growth.iloc[-1] / growth.iloc[1]:.2f}",
+        "scaling-bytes": f"{scaling['peak_bytes_per_vertex'].max():.0f}",
+        "filters-faces": f"{data['filters']['faces'].iloc[0]:,}",
+        "filters-slowest": filters.idxmax(),
+        "filters-slowest-seconds": f"{filters.max():.0f}",
+        "filters-others-seconds": f"{filters.drop(filters.idxmax()).max():.1f}",
+    }
+
+
 def _origin(data):
     snr = data["origin"].astype({"where": str}).set_index("where")["snr"]
     moved = snr.drop("as stored")
@@ -228,29 +267,30 @@ def _quality(data):
     jet = table[table["mesh"] == "jet"].set_index(["method", "parameters"])
     automatic = jet.xs("auto", level="parameters")["missile_error"]
     averaging = data["missiles"].set_index("weights")["missile_error"]
-    guesses = {
-        mesh: estimate(*noisy_and_clean(mesh, QUALITY_NOISE, SEED)[::2])
-        for mesh in ("box", "torus", "knot", "jet")
-    }
     volume = table.set_index(["mesh", "method", "parameters"])["volume_change"].mul(-100)
     found = {
-        "torus-averaging-volume": f"{volume['torus', 'averaging', 'auto']:.0f}",
-        "torus-features-volume": f"{volume['torus', 'feature-convinced', 'auto']:.1f}",
-        "knot-averaging-volume": f"{volume['knot', 'averaging', 'auto']:.0f}",
+        "torus-averaging-volume": f"{volume['torus', 'averaging', 'tuned']:.0f}",
+        "torus-features-volume": f"{volume['torus', 'feature-convinced', 'tuned']:.1f}",
+        "knot-averaging-volume": f"{volume['knot', 'averaging', 'tuned']:.0f}",
         "quality-noise": f"{QUALITY_NOISE:g}",
         "quality-methods": str(table["method"].nunique() - 1),
         "quality-excess": f"{100 * (excess.median() - 1):.0f}",
         "quality-near": str((excess < 1.1).sum()),
         "quality-all": str(len(excess)),
-        "estimate-low": f"{min(guesses.values()):.3f}",
-        "estimate-low-mesh": min(guesses, key=guesses.get),
-        "estimate-high": f"{max(guesses.values()):.3f}",
-        "missiles-noisy": f"{jet.loc[('none', 'default'), 'missile_error']:.3f}",
-        "missiles-best": f"{automatic.min():.3f}",
-        "missiles-best-method": automatic.idxmin(),
-        "missiles-averaging": f"{averaging.min():.3f}",
-        "missiles-averaging-weights": averaging.idxmin(),
+        "jet-missiles-noisy": f"{jet.loc[('none', 'default'), 'missile_error']:.3f}",
+        "jet-missiles-best": f"{automatic.min():.3f}",
+        "jet-missiles-best-method": automatic.idxmin(),
+        "jet-missiles-averaging": f"{averaging.min():.3f}",
+        "jet-missiles-averaging-weights": averaging.idxmin(),
     }
+    for by in ("lengths", "differences"):
+        guesses = {}
+        for mesh in ("box", "torus", "knot", "jet"):
+            noisy, _, F = noisy_and_clean(mesh, QUALITY_NOISE, SEED)
+            guesses[mesh] = estimate(noisy, F, by)
+        lowest = min(guesses, key=guesses.get)
+        found[f"{by}-low-mesh"], found[f"{by}-low"] = lowest, f"{guesses[lowest]:.3f}"
+        found[f"{by}-high"] = f"{max(guesses.values()):.3f}"
     if PAIRS.keys() <= set(table["mesh"]):
         for mesh, short in (("fandisk", "fandisk"), ("bunny pair", "pair")):
             auto = angle.loc[mesh]["auto"]

@@ -1,9 +1,11 @@
 """What the report claims, held against the experiments themselves."""
 
+import json
+
 import numpy as np
 import pytest
 
-from meshfair import MeshError, experiments, metrics
+from meshfair import MeshError, denoising, experiments, metrics
 from meshfair.experiments.cases import add_noise, load_mesh
 
 pytestmark = pytest.mark.filterwarnings("ignore::meshfair.StabilityWarning")
@@ -122,3 +124,34 @@ def test_noise_is_met_at_its_decibels():
     for model in ("normals", "gaussian", "uniform"):
         noisy = add_noise(V, F, model, 3, decibels=30)
         assert metrics.snr(V, noisy) == pytest.approx(30, abs=1e-9)
+
+
+def test_quality_scores_what_the_parameters_that_it_names_give():
+    table = experiments.quality(["knot"], 0.1, 3, methods=["taubin", "sun"])
+    assert list(table["method"]) == ["none"] + 3 * ["taubin"] + 3 * ["sun"]
+    assert list(table["parameters"][1:]) == 2 * ["default", "auto", "tuned"]
+    noisy, V, F = experiments.noisy_and_clean("knot", 0.1, 3)
+    assert table["snr"][0] == metrics.snr(V, noisy)
+    for row in table[1:].itertuples():
+        X = denoising.denoise(noisy, F, row.method, **json.loads(row.used)).V
+        assert metrics.normal_angle(X, V, F) == row.normal_angle
+
+
+def test_tuned_parameters_come_from_another_draw():
+    used = experiments.quality(["knot"], 0.1, 3, methods=["taubin"])["used"][3]
+    noisy, V, F = experiments.noisy_and_clean("knot", 0.1, 4)
+    chosen = denoising.tune(noisy, F, "taubin", V).parameters
+    assert json.loads(used) == {name: x for name, x in chosen.items() if name != "fixed"}
+
+
+def test_quality_says_which_method_failed():
+    with pytest.raises(MeshError, match=r"laplace failed on knot: .*no method is called"):
+        experiments.quality(["knot"], methods=["laplace"])
+
+
+def test_averaging_stopped_for_the_missiles():
+    table = experiments.averaging_for_missiles(0.2, 1, time=0.6)
+    parts = experiments.part_errors("jet", "normals", 1, size=0.2, time=0.6)
+    least = parts[parts["part"] == "missiles"].groupby("weights")["error"].min()
+    for row in table.itertuples():
+        assert row.missile_error == pytest.approx(least[row.weights], rel=1e-12)

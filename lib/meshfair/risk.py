@@ -13,7 +13,7 @@ PROBE = 0.1
 
 
 class Risk:
-    """Estimates a filter's error on a noisy mesh, whatever the filter [S81].
+    """Estimates a filter's error on a noisy mesh, linear or not [S81].
 
     Heights h along the normals carry white noise of variance sigma^2. What
     makes a face's normal wrong is the *difference* of the errors at the ends
@@ -56,7 +56,9 @@ class Risk:
     -----
     It holds for noise along the normals (isotropic noise included) that is
     independent at different vertices, and is as good as sigma. Noise
-    larger than 0.4 edges is underestimated, so that too little smoothing looks best.
+    larger than 0.4 edges is underestimated, so that too little smoothing looks best. A
+    filter that jumps, as guided normal filtering does from patch to patch, has no
+    derivative for the probe to find: there the estimate varies with the probe.
     """
 
     def __init__(self, V, F, rng, sigma=None):

@@ -1,5 +1,6 @@
 """The seed's own experiments: the knot, Table 1, the jets."""
 
+from functools import cache
 from importlib.resources import files
 
 import numpy as np
@@ -219,15 +220,18 @@ def knot_meshes(seed=1, steps=(1, 10)):
     return meshes
 
 
+@cache
 def missile_vertices():
     """Which vertices of the jet belong to its missiles.
 
     Returns
     -------
-    ndarray of bool, shape (n,)
+    ndarray of bool, shape (n,), read-only
     """
     labels, names = jet_labels()
-    return np.array(["missile" in name for name in names])[labels]
+    missile = np.array(["missile" in name for name in names])[labels]
+    missile.flags.writeable = False  # the cache hands it out again
+    return missile
 
 
 def part_errors(mesh, noise, seed, *, size=None, decibels=None, tau=TAU, time=TIME):
