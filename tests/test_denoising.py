@@ -98,6 +98,7 @@ def test_progress_and_cancelling(noisy_box):
     assert seen[-1] == 1.0
     early = meshfair.denoise(V, F, "implicit", parameters="auto", callback=lambda p: False)
     assert not early.finished
+    assert early.risk is None
     np.testing.assert_array_equal(early.V, V)
 
 

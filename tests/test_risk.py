@@ -85,3 +85,5 @@ def test_what_it_refuses():
         Risk(V, F, np.random.default_rng(0), sigma=-1)
     with pytest.raises(MeshError):
         Risk(V, F + 100, np.random.default_rng(0))
+    with pytest.raises(MeshError, match="all edges have length 0"):
+        Risk(np.zeros((3, 3)), np.array([[0, 1, 2]]), np.random.default_rng(0))

@@ -29,7 +29,7 @@ class Denoised(NamedTuple):
     (decibels), from the noisy mesh at iteration 0 on; None without a clean mesh."""
     risk: float
     """With automatic parameters, the estimated risk (`meshfair.risk.Risk`), in squared units
-    of V; else None. It compares methods on a mesh too: the smaller the better."""
+    of V; None if there is none. It compares methods on a mesh too: the smaller the better."""
     seconds: float
     """Time taken."""
     finished: bool
@@ -341,8 +341,9 @@ class _Run:
         except _CancelledError:
             finished = False
         history = None if self.clean is None else _table(last.history)
+        risk = None if last.score == np.inf else last.score  # cancelled before any was estimated
         seconds = perf_counter() - self.start
-        return Denoised(last.V, self.name, last.parameters, history, last.score, seconds, finished)
+        return Denoised(last.V, self.name, last.parameters, history, risk, seconds, finished)
 
     def _measured(self, V):
         """A row of the history, if there is a clean mesh."""

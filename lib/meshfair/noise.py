@@ -3,6 +3,9 @@
 Every function returns new positions and leaves its input alone. A noise size
 ``sigma`` is a fraction of the mean edge length, so that it means the same on
 a mesh in metres and on one in millimetres.
+
+[DJ94] Donoho, Johnstone, Ideal spatial adaptation by wavelet shrinkage, Biometrika 81, 1994.
+[LLL+19] Li, Liu, Liu, Wang, Liu, Feature-convinced mesh denoising, Graphical Models 101, 2019.
 """
 
 import numpy as np

@@ -1,8 +1,13 @@
-"""How wrong a denoised mesh is, estimated without the clean one: Stein's unbiased risk."""
+"""How wrong a denoised mesh is, estimated without the clean one: Stein's unbiased risk.
+
+[S81] Stein, Estimation of the mean of a multivariate normal distribution, Annals of
+Statistics 9, 1981. [RBU08] Ramani, Blu, Unser, Monte-Carlo SURE, IEEE Transactions on
+Image Processing 17, 2008.
+"""
 
 import numpy as np
 
-from meshfair.checks import check_mesh, check_number, check_rng
+from meshfair.checks import MeshError, check_mesh, check_number, check_rng
 from meshfair.mesh import mean_edge_length, vertex_normals
 from meshfair.mesh.topology import group_edges
 from meshfair.noise import estimate
@@ -50,7 +55,7 @@ class Risk:
     Raises
     ------
     MeshError, ValueError, TypeError
-        No mesh, sigma below 0, or no generator.
+        No mesh, or one whose edges have no length; sigma below 0; no generator.
 
     Notes
     -----
@@ -65,6 +70,10 @@ class Risk:
         self.V, self.F = check_mesh(V, F)
         check_rng(rng)
         length = mean_edge_length(self.V, self.F)
+        if length == 0:
+            raise MeshError(
+                "V, F: all edges have length 0, so that no noise can be told from shape"
+            )
         if sigma is None:
             sigma = estimate(self.V, self.F, by="differences")
         check_number(sigma, "sigma", 0)
