@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.sparse import block_diag, csr_array
 
 import plain
 from meshes import fan, soups
@@ -260,6 +261,49 @@ def test_order_for_locality(monkeypatch, rng):
     ordered = flows(V, A, V_clean, fixed=[5])
     np.testing.assert_array_equal(ordered[0], as_given[0])
     np.testing.assert_allclose(ordered[2], as_given[2], rtol=1e-11)
+
+
+@pytest.mark.parametrize("columns", [(3,), (), (1, 2)])
+def test_rows_are_taken_and_put_back(rng, columns):
+    X = rng.standard_normal((40_000, *columns))
+    order = rng.permutation(len(X)).astype(np.int32)
+    taken = ordering.take(X, order)
+    np.testing.assert_array_equal(taken, X[order])
+    np.testing.assert_array_equal(ordering.put_back(taken, order), X)
+    out = np.empty_like(X)
+    assert ordering.put_back(taken, order, out) is out
+    np.testing.assert_array_equal(out, X)
+
+
+def test_a_mesh_that_is_in_order_is_known(monkeypatch, rng):
+    V, F = shapes.torus(sections=150, sides=80)
+    W = weights.combinatorial(F, len(V))
+    mixed = weights.combinatorial(rng.permutation(len(V))[F], len(V))
+    assert not ordering.is_near(mixed)
+    assert ordering.is_near(ordering.nearby(mixed)[1])
+    assert ordering.is_near(W)  # ring by ring, as the torus is made
+    assert ordering.is_near(csr_array((5, 5)))
+    # A flow orders the one and not the other.
+    calls = []
+    monkeypatch.setattr(flow, "VERTICES_WORTH_ORDERING", 0)
+    nearby = ordering.nearby
+    monkeypatch.setattr(ordering, "nearby", lambda A: calls.append(A) or nearby(A))
+    flow.average(V, operators.averaging(W), flow.STEPS_WORTH_ORDERING)
+    assert not calls
+    flow.average(V, operators.averaging(mixed), flow.STEPS_WORTH_ORDERING)
+    assert len(calls) == 1
+
+
+def test_averaging_is_the_product_to_the_last_digit(rng):
+    V, F = torus()
+    A = operators.averaging(weights.distance(V, F))
+    # One kernel has nothing held, the other has: here a vertex without edges, which stays anyway.
+    lone = csr_array(block_diag([A, [[1.0]]]))
+    V_lone = np.vstack([V, [[1.0, 2.0, 3.0]]])
+    np.testing.assert_array_equal(flow.average(V, A, 3), A @ (A @ (A @ V)))
+    np.testing.assert_array_equal(
+        flow.average(V_lone, lone, 3, fixed=[len(V)]), flow.average(V_lone, lone, 3)
+    )
 
 
 def test_every_component_is_ordered():

@@ -119,7 +119,8 @@ def on_all_cores(kernel, count, *arguments, block=BLOCK):
         for k, first in blocks:
             results[k] = kernel(first, min(first + block, count), *arguments)
 
-    helpers = [_helpers().submit(work) for _ in range(min(threads(), len(firsts)) - 1)]
+    busy = min(threads(), len(firsts)) if len(firsts) > 1 else 1
+    helpers = [_helpers().submit(work) for _ in range(busy - 1)]
     work()
     for helper in helpers:
         if not helper.cancel():  # it did start

@@ -79,12 +79,12 @@ class Multigrid:
         RZ : ndarray of float64, shape (3,)
             sum_i r_i z_i for each column.
         """
-        return self._cycle(0, R)
+        Z = self._cycle(0, R)
+        return Z, np.sum(on_all_cores(_products, len(R), R, Z), axis=0)
 
     def _cycle(self, depth, R):
         if depth == len(self.levels):
-            Z = self.coarsest.solve(R.astype(np.float64)).astype(np.float32)
-            return Z, (R * Z).sum(axis=0, dtype=np.float64)
+            return self.coarsest.solve(R.astype(np.float64)).astype(np.float32)
         level = self.levels[depth]
         n = len(level.weight)
         A = (*unsigned(level.A.indptr, level.A.indices), level.A.data)
@@ -100,12 +100,12 @@ class Multigrid:
             _restrict, level.size, *A, bounds, members, R, Z, R_coarse,
             block=BLOCK_OF_AGGREGATES,
         )  # fmt: skip
-        Z_coarse, _ = self._cycle(depth + 1, R_coarse)
+        Z_coarse = self._cycle(depth + 1, R_coarse)
         on_all_cores(_correct, n, aggregate, Z_coarse, Z)
         for step in self.steps:
-            RZ = on_all_cores(_smooth, n, *A, level.weight, R, Z, *step, Z_other)
+            on_all_cores(_smooth, n, *A, level.weight, R, Z, *step, Z_other)
             Z, Z_other = Z_other, Z
-        return Z, np.sum(RZ, axis=0)
+        return Z
 
 
 def _chebyshev(steps, low, high):
@@ -249,11 +249,7 @@ def _correct(first, last, aggregate, Z_coarse, Z):
 
 @compiled
 def _smooth(first, last, indptr, indices, A, weight, R, Z, momentum, scale, Z_other):
-    """z + momentum (z - z_before) + scale d^-1 (r - A z), in the place of z_before.
-
-    Return the sums of its products with R.
-    """
-    rz_x = rz_y = rz_z = 0.0
+    """z + momentum (z - z_before) + scale d^-1 (r - A z), in the place of z_before."""
     for i in range(first, last):
         x, y, z = R[i, 0], R[i, 1], R[i, 2]
         for p in range(indptr[i], indptr[i + 1]):
@@ -266,7 +262,14 @@ def _smooth(first, last, indptr, indices, A, weight, R, Z, momentum, scale, Z_ot
         y = Z[i, 1] + momentum * (Z[i, 1] - Z_other[i, 1]) + w * y
         z = Z[i, 2] + momentum * (Z[i, 2] - Z_other[i, 2]) + w * z
         Z_other[i, 0], Z_other[i, 1], Z_other[i, 2] = x, y, z
-        rz_x += R[i, 0] * x
-        rz_y += R[i, 1] * y
-        rz_z += R[i, 2] * z
+
+
+@compiled
+def _products(first, last, R, Z):
+    """The sums r . z of each column, in double precision."""
+    rz_x = rz_y = rz_z = 0.0
+    for i in range(first, last):
+        rz_x += R[i, 0] * Z[i, 0]
+        rz_y += R[i, 1] * Z[i, 1]
+        rz_z += R[i, 2] * Z[i, 2]
     return rz_x, rz_y, rz_z

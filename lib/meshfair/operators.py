@@ -9,22 +9,32 @@ from meshfair.kernels import compiled, on_all_cores, unsigned
 
 # Below this size a dense eigenvalue problem is quicker and exact.
 DENSE = 100
+# Entries of a matrix that a thread checks at a time: they cost little each.
+ENTRIES = 2**18
 # Bounds on the eigenvalues that are tried before they are estimated.
 BOUNDS = 6
 
 
 def _square(A, name):
-    """Return a square sparse matrix of finite numbers as csr_array, or say why not."""
+    """Return a square sparse matrix of finite numbers as csr_array of float64, or say why not."""
     shape = np.shape(A)
     if len(shape) != 2 or shape[0] != shape[1]:
         raise MeshError(f"{name} has shape {shape}; give a square sparse matrix")
-    A = csr_array(A)
-    # A sum of squares is finite only if all are: it takes no copy. It may overflow, though.
-    with np.errstate(over="ignore", invalid="ignore"):
-        finite = np.isfinite(np.dot(A.data, A.data))
-    if not finite and not np.isfinite(A.data).all():
-        raise MeshError(f"{name} holds NaN or infinite entries; build it from a checked mesh")
+    A = csr_array(A, dtype=np.float64)
+    entries = (*unsigned(A.indices), A.data)
+    if sum(on_all_cores(_count_bad, A.nnz, *entries, shape[1], block=ENTRIES)):
+        if not np.isfinite(A.data).all():
+            raise MeshError(f"{name} holds NaN or infinite entries; build it from a checked mesh")
+        raise MeshError(f"{name} has an entry in a column that it does not have; build it anew")
     return A
+
+
+@compiled
+def _count_bad(first, last, indices, A, columns):
+    bad = 0
+    for p in range(first, last):
+        bad += (not abs(A[p]) < np.inf) | (indices[p] >= columns)
+    return bad
 
 
 def pinned(fixed, n):
@@ -76,10 +86,7 @@ def check_operator(A, n):
             f"the operator has shape {np.shape(A)}, but V has {n} vertices; "
             "build it from the same mesh"
         )
-    A = csr_array(_square(A, "A"), dtype=np.float64)
-    if A.nnz and unsigned(A.indices)[0].max() >= n:
-        raise MeshError("A has an entry in a column that it does not have; build it anew")
-    return A
+    return _square(A, "A")
 
 
 def degrees(W):

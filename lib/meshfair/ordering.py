@@ -5,15 +5,24 @@ time where they are far apart, as on a mesh that was subdivided. Numbered
 breadth-first, the same step is several times as fast on a million vertices:
 
     order, _ = ordering.nearby(weights.combinatorial(F, len(V)))
-    V_near, F_near = V[order], ordering.rank(order)[F]
+    V_near, F_near = ordering.take(V, order), ordering.rank(order)[F]
     ...
-    V = V_near[ordering.rank(order)]  # back again
+    V = ordering.put_back(V_near, order)
+
+Long flows on large meshes do so by themselves (see `meshfair.flow`), each time
+anew: who runs several, or single steps, orders the mesh once.
 """
 
 import numpy as np
 from scipy.sparse import csr_array
 
 from meshfair.kernels import compiled, on_all_cores, unsigned
+
+# Breadth-first, neighbours are about 3 sqrt(n) places apart on closed surfaces; in
+# another order that is nearly as good, nine in ten are within so many times sqrt(n).
+NEAR = 8
+NEARLY_ALL = 0.9
+SAMPLE = 4096
 
 
 def nearby(A):
@@ -36,14 +45,32 @@ def nearby(A):
     indptr, indices = unsigned(A.indptr, A.indices)
     order = np.empty(len(indptr) - 1, dtype=A.indices.dtype)
     place = np.full_like(order, -1)
-    near_indptr = np.zeros_like(indptr)
-    _breadth_first(indptr, indices, order, place, near_indptr)
-    near_indices, data = np.empty_like(A.indices), np.empty_like(A.data)
-    on_all_cores(
-        _reorder, len(order), indptr, indices, A.data, *unsigned(order, place, near_indptr),
-        near_indices, data,
-    )  # fmt: skip
-    return order, csr_array((data, near_indices, near_indptr.view(A.indptr.dtype)), shape=A.shape)
+    near_indptr, near_indices, data = (np.empty_like(x) for x in (A.indptr, A.indices, A.data))
+    _breadth_first(indptr, indices, order, place, near_indptr, near_indices)
+    rows = (indptr, A.data, *unsigned(order, near_indptr), data)
+    on_all_cores(_take_rows, len(order), *rows)
+    return order, csr_array((data, near_indices, near_indptr), shape=A.shape)
+
+
+def is_near(A):
+    """Whether the vertices are in an order in which neighbours are close in memory.
+
+    Parameters
+    ----------
+    A : csr_array, shape (n, n)
+        Any matrix with entries where two vertices are neighbours.
+
+    Returns
+    -------
+    bool
+        Judged by the first and the last entry of some thousand rows.
+    """
+    n = A.shape[0]
+    rows = np.arange(0, n, n // SAMPLE + 1)
+    rows = rows[A.indptr[rows] < A.indptr[rows + 1]]  # those with entries
+    ends = A.indptr[rows], A.indptr[rows + 1] - 1
+    apart = np.abs(A.indices[np.stack(ends)] - rows)
+    return bool(np.mean(apart <= NEAR * np.sqrt(n)) >= NEARLY_ALL) if rows.size else True
 
 
 def rank(order):
@@ -76,10 +103,40 @@ def _take(first, last, X, order, rows):
     np.take(X, order[first:last], axis=0, out=rows[first:last], mode="clip")
 
 
+def put_back(X, order, out=None):
+    """The rows of an array in this order where they were before `take`.
+
+    Parameters
+    ----------
+    X : ndarray, shape (n, ...)
+    order : ndarray of integers, shape (n,)
+        A permutation of 0 .. n - 1, which is not checked.
+    out : ndarray of the type and shape of ``X``, optional
+        Where to write them.
+
+    Returns
+    -------
+    ndarray of the type and shape of ``X``
+        ``out`` where it is given.
+    """
+    out = np.empty_like(X) if out is None else out
+    columns = (len(X), -1)
+    on_all_cores(_put_back, len(X), X.reshape(columns), *unsigned(order), out.reshape(columns))
+    return out
+
+
 @compiled
-def _breadth_first(indptr, indices, order, place, near_indptr):
-    """Follow the graph, component by component; write where each vertex' row will begin."""
-    head = tail = 0
+def _put_back(first, last, X, order, out):
+    for r in range(first, last):
+        for c in range(X.shape[1]):
+            out[order[r], c] = X[r, c]
+
+
+@compiled
+def _breadth_first(indptr, indices, order, place, near_indptr, near_indices):
+    """Follow the graph, component by component; write the rows of the matrix in that order."""
+    head = tail = q = 0
+    near_indptr[0] = 0
     for seed in range(len(order)):
         if place[seed] >= 0:
             continue
@@ -92,14 +149,16 @@ def _breadth_first(indptr, indices, order, place, near_indptr):
                 if place[j] < 0:
                     order[tail], place[j] = j, tail
                     tail += 1
-            near_indptr[head + 1] = near_indptr[head] + (indptr[i + 1] - indptr[i])
+                near_indices[q] = place[j]
+                q += 1
             head += 1
+            near_indptr[head] = q
 
 
 @compiled
-def _reorder(first, last, indptr, indices, A, order, place, near_indptr, near_indices, near_A):
+def _take_rows(first, last, indptr, A, order, near_indptr, near_A):
+    """The values of the rows in this order."""
     for r in range(first, last):
         start = indptr[order[r]]
         for q in range(near_indptr[r], near_indptr[r + 1]):
-            p = start + (q - near_indptr[r])
-            near_indices[q], near_A[q] = place[indices[p]], A[p]
+            near_A[q] = A[start + (q - near_indptr[r])]

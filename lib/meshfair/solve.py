@@ -173,7 +173,7 @@ def _direct(A, B):
 
 def _iterative(A, B, X, tolerance):
     order, A = ordering.nearby(A)
-    B, X = np.take(B, order, axis=0), np.take(X, order, axis=0)
+    B, X = ordering.take(B, order), ordering.take(X, order)
     multigrid = Multigrid(A)
     steps = 0
     for k in range(0, B.shape[1], 3):  # three columns at a time
@@ -184,7 +184,7 @@ def _iterative(A, B, X, tolerance):
         # Half of it: rounding lets the true residual drift from the iteration's.
         steps += _conjugate_gradients(A, multigrid, B3, X3, tolerance / 2)
         X[:, columns] = X3[:, :count]
-    X = np.take(X, ordering.rank(order), axis=0)
+    X = ordering.put_back(X, order)
     return X, f"the iteration stopped after {steps} steps and"
 
 
