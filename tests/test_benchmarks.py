@@ -21,7 +21,9 @@ def test_a_quick_benchmark_agrees_and_writes_its_tables(tmp_path):
     )
     assert done.returncode == 0, done.stderr
     measured = rows(tmp_path / "bench.csv")
-    assert {row["task"] for row in measured} == {"weights", "step", "steps", "implicit", "flow"}
+    steps = {"step", "steps", "step in order", "steps in order"}
+    assert {row["task"] for row in measured} == {"weights", *steps, "implicit", "flow"}
+    assert all((float(row["times_copy"]) > 0) == (row["task"] in steps) for row in measured)
     assert {"ours", "SciPy product", "libigl"} <= {row["contender"] for row in measured}
     for row in measured:
         assert row["agrees"] in ("True", "not the same"), row

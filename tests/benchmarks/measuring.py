@@ -41,8 +41,8 @@ def _status(field):
     return 1024 * int(line.split()[1])
 
 
-def copy_bandwidth(size=2**25, repeats=5):
-    """Bytes a second that are read and written when all cores copy a large array."""
+def copy_bandwidth(size=2**25, repeats=3):
+    """Bytes a second that are read and written when all cores copy a large array (median)."""
     source, target = np.ones(size), np.ones(size)
     cores = os.cpu_count()
     parts = [slice(k * size // cores, (k + 1) * size // cores) for k in range(cores)]
@@ -51,9 +51,8 @@ def copy_bandwidth(size=2**25, repeats=5):
         target[part] = source[part]
 
     with ThreadPoolExecutor(cores) as pool:
-        together = min(timed(lambda: list(pool.map(copy, parts)))[0] for _ in range(repeats))
-    alone = min(timed(lambda: copy(slice(None)))[0] for _ in range(repeats))
-    return 2 * source.nbytes / min(together, alone)
+        seconds = [timed(lambda: list(pool.map(copy, parts)))[0] for _ in range(repeats)]
+    return 2 * source.nbytes / median(seconds)
 
 
 def machine():
