@@ -210,16 +210,18 @@ def _step(A, V, held, tau, V_next, V_clean=None):
     return sum(on_all_cores(_flow, len(V), *A_rows, V, held, tau, V_next, V_clean))
 
 
-@compiled
+@compiled(fused=True)
 def _average(first, last, indptr, indices, A, V, V_next):
     """v+_i = sum_j a_ij v_j: what `_flow` does for tau = 1, with so much less to do per row."""
+    p, one = indptr[first], indptr.dtype.type(1)  # of one type: numba adds others as floats
     for i in range(first, last):
         x = y = z = 0.0
-        for p in range(indptr[i], indptr[i + 1]):
+        while p < indptr[i + 1]:
             a, j = A[p], indices[p]
             x += a * V[j, 0]
             y += a * V[j, 1]
             z += a * V[j, 2]
+            p += one
         V_next[i, 0], V_next[i, 1], V_next[i, 2] = x, y, z
 
 

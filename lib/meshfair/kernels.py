@@ -26,7 +26,7 @@ from concurrent.futures import ThreadPoolExecutor
 BLOCK = 16_384
 
 
-def compiled(kernel):
+def compiled(kernel=None, *, fused=False):
     """Let numba compile a kernel at its first call, and keep the machine code on disk.
 
     numba itself is loaded then too: importing the package stays quick. A
@@ -35,19 +35,27 @@ def compiled(kernel):
     Parameters
     ----------
     kernel : function of NumPy arrays and numbers
+        Left out where options are given: ``@compiled(fused=True)``.
+    fused : bool
+        Let a product and the sum that it goes into be rounded once, where the
+        processor can do so (fused multiply-add). Sums over neighbours are up to
+        a sixth quicker; their last digit then depends on the processor.
 
     Returns
     -------
     function
         Called like ``kernel``. Its ``__wrapped__`` is the Python function.
     """
+    if kernel is None:
+        return functools.partial(compiled, fused=fused)
+    fastmath = {"contract"} if fused else False
 
     @functools.cache
     def machine_code():
         import numba
 
         # "numpy": a division by zero gives inf or NaN, as it does in NumPy.
-        return numba.njit(kernel, nogil=True, cache=True, error_model="numpy")
+        return numba.njit(kernel, nogil=True, cache=True, error_model="numpy", fastmath=fastmath)
 
     @functools.wraps(kernel)
     def call(*arguments):

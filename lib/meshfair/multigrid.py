@@ -221,7 +221,7 @@ def _start(first, last, scale, weight, R, Z_zero, Z):
             Z[i, c] = scale * weight[i] * R[i, c]
 
 
-@compiled
+@compiled(fused=True)
 def _restrict(first, last, indptr, indices, A, bounds, members, R, Z, R_coarse):
     """Add up the residual R - A Z over each aggregate."""
     for row in range(first, last):
@@ -247,7 +247,7 @@ def _correct(first, last, aggregate, Z_coarse, Z):
             Z[i, c] += Z_coarse[aggregate[i], c]
 
 
-@compiled
+@compiled(fused=True)
 def _smooth(first, last, indptr, indices, A, weight, R, Z, momentum, scale, Z_other):
     """z + momentum (z - z_before) + scale d^-1 (r - A z), in the place of z_before."""
     for i in range(first, last):

@@ -236,7 +236,7 @@ def _turn(first, last, Z, beta, P):
             P[i, c] = Z[i, c] + beta[c] * P[i, c]
 
 
-@compiled
+@compiled(fused=True)
 def _multiply(first, last, indptr, indices, A, P, AP):
     """A p, and the sums p . A p."""
     pap_x = pap_y = pap_z = 0.0
