@@ -10,7 +10,7 @@ from meshfair.filters.arguments import check_count, held_vertices
 from meshfair.filters.diffusion import taubin
 from meshfair.filters.hinges import bending, hinges
 from meshfair.filters.neighbours import BLOCK, face_rings, face_shapes, incidence
-from meshfair.filters.normals import joint_bilateral, move_vertices, sun
+from meshfair.filters.normals import joint_bilateral, move_vertices, spatial_weights, sun
 from meshfair.kernels import compiled, on_all_cores
 from meshfair.mesh import edges
 from meshfair.noise import estimate
@@ -146,8 +146,9 @@ def feature_convinced(
         N, area, C = face_shapes(V, F)
         G = crease_guidance(H.faces[~crease], N, area, C)
         longest = float(np.sqrt(3 * np.mean((V[E[:, 0]] - V[E[:, 1]]) ** 2)))
+        S = spatial_weights(R, C, area, longest)
         for _ in range(effort.normal_iterations):
-            N = joint_bilateral(R, N, G, C, area, sigma_normal, longest)
+            N = joint_bilateral(S, N, G, sigma_normal)
         for _ in range(vertex_iterations):
             moved = move_vertices(V, F, B, N, held)
             too_far = np.linalg.norm(moved - V, axis=1) > longest

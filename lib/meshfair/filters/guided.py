@@ -13,7 +13,7 @@ from meshfair.filters.neighbours import (
     incidence,
     within,
 )
-from meshfair.filters.normals import joint_bilateral, mean_distance, move_vertices
+from meshfair.filters.normals import joint_bilateral, mean_distance, move_vertices, spatial_weights
 from meshfair.kernels import compiled, on_all_cores
 
 # Keeps the saliency of a flat patch finite; differences of unit normals are of size 1.
@@ -79,8 +79,8 @@ def guided_normal(
     for step in range(1, iterations + 1):
         N, area, C = face_shapes(V, F)
         G = guidance(R, across, N, area)
-        sigma_c = sigma_space * mean_distance(C, pairs)
-        N = joint_bilateral(near, N, G, C, area, sigma_normal, sigma_c)
+        S = spatial_weights(near, C, area, sigma_space * mean_distance(C, pairs))
+        N = joint_bilateral(S, N, G, sigma_normal)
         for _ in range(vertex_updates):
             V = move_vertices(V, F, B, N, held)
         yield step / iterations, V

@@ -10,6 +10,7 @@ same way for all filters.
 """
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from meshfair.checks import check_mesh, check_number
 from meshfair.filters.arguments import check_count, held_vertices
@@ -20,7 +21,7 @@ from meshfair.filters.neighbours import (
     face_shapes,
     incidence,
 )
-from meshfair.kernels import compiled, on_all_cores
+from meshfair.kernels import compiled, on_all_cores, unsigned
 from meshfair.mesh import boundary_vertices
 
 
@@ -131,8 +132,10 @@ def bilateral_normal(
     near.setdiag(0)
     near.eliminate_zeros()
 
+    S = spatial_weights(near, C, area, sigma_space)
+
     def mean_normals(N):
-        return joint_bilateral(near, N, N, C, area, sigma_normal, sigma_space)
+        return joint_bilateral(S, N, N, sigma_normal)
 
     held = held_vertices(fixed, len(V), boundary_vertices(F) if hold_boundary else ())
     yield from _two_stages(V, F, B, mean_normals, normal_iterations, vertex_iterations, held)
@@ -158,25 +161,44 @@ def mean_distance(C, pairs):
     return float(np.linalg.norm(C[f] - C[g], axis=1).mean()) if len(f) else 0.0
 
 
-def joint_bilateral(near, N, G, C, area, sigma_normal, sigma_space):
-    """Average normals with weights that compare guidance normals.
+def spatial_weights(near, C, area, sigma_space):
+    """The part of `joint_bilateral`'s weights that does not depend on normals.
 
-    n_i <- sum_j w_ij n_j, normalised, with
-
-        w_ij = area_j exp(-|c_i - c_j|^2 / 2 sigma_c^2 - |g_i - g_j|^2 / 2 sigma_s^2).
+    s_ij = area_j exp(-|c_i - c_j|^2 / 2 sigma_c^2)
 
     Parameters
     ----------
     near : csr_array, shape (m, m)
         Row i lists the faces j that face i averages over.
-    N, G, C : ndarrays of float64, shape (m, 3)
-        Normals, guidance normals (N itself in the plain bilateral filter),
-        centroids.
+    C : ndarray of float64, shape (m, 3)
+        Centroids.
     area : ndarray of float64, shape (m,)
-    sigma_normal : float
-        sigma_s.
     sigma_space : float
         sigma_c, in the units of ``C``.
+
+    Returns
+    -------
+    csr_array of float64, shape (m, m)
+    """
+    S = np.empty(near.nnz)
+    rows = unsigned(near.indptr, near.indices)
+    on_all_cores(_spatial_weights, len(C), *rows, C, area, sigma_space, S, block=BLOCK)
+    return csr_array((S, near.indices, near.indptr), shape=near.shape)
+
+
+def joint_bilateral(S, N, G, sigma_normal):
+    """Average normals with weights that compare guidance normals.
+
+    n_i <- sum_j w_ij n_j, normalised, with w_ij = s_ij exp(-|g_i - g_j|^2 / 2 sigma_s^2).
+
+    Parameters
+    ----------
+    S : csr_array, shape (m, m)
+        See `spatial_weights`.
+    N, G : ndarrays of float64, shape (m, 3)
+        Normals, guidance normals (N itself in the plain bilateral filter).
+    sigma_normal : float
+        sigma_s.
 
     Returns
     -------
@@ -184,14 +206,8 @@ def joint_bilateral(near, N, G, C, area, sigma_normal, sigma_space):
         Unit vectors; where all weights vanish, the normal as it was.
     """
     mean = np.empty_like(N)
-    on_all_cores(
-        _joint_bilateral,
-        len(N),
-        near.indptr,
-        near.indices,
-        *(N, G, C, area, sigma_normal, sigma_space, mean),
-        block=BLOCK,
-    )
+    rows = (*unsigned(S.indptr, S.indices), S.data)
+    on_all_cores(_joint_bilateral, len(N), *rows, N, G, sigma_normal, mean, block=BLOCK)
     return mean
 
 
@@ -245,18 +261,24 @@ def _sun(first, last, start, faces, N, T, mean):
 
 
 @compiled
-def _joint_bilateral(first, last, start, faces, N, G, C, area, sigma_normal, sigma_space, mean):
-    per_normal, per_distance = 1 / (2 * sigma_normal**2), 1 / (2 * sigma_space**2)
+def _spatial_weights(first, last, start, faces, C, area, sigma, S):
+    per_square = 1 / (2 * sigma**2)
+    for i in range(first, last):
+        for p in range(start[i], start[i + 1]):
+            j = faces[p]
+            x, y, z = C[i, 0] - C[j, 0], C[i, 1] - C[j, 1], C[i, 2] - C[j, 2]
+            S[p] = area[j] * np.exp(-per_square * (x * x + y * y + z * z))
+
+
+@compiled
+def _joint_bilateral(first, last, start, faces, S, N, G, sigma, mean):
+    per_square = 1 / (2 * sigma**2)
     for i in range(first, last):
         x = y = z = 0.0
         for p in range(start[i], start[i + 1]):
             j = faces[p]
-            cx, cy, cz = C[i, 0] - C[j, 0], C[i, 1] - C[j, 1], C[i, 2] - C[j, 2]
             gx, gy, gz = G[i, 0] - G[j, 0], G[i, 1] - G[j, 1], G[i, 2] - G[j, 2]
-            w = area[j] * np.exp(
-                -per_distance * (cx * cx + cy * cy + cz * cz)
-                - per_normal * (gx * gx + gy * gy + gz * gz)
-            )
+            w = S[p] * np.exp(-per_square * (gx * gx + gy * gy + gz * gz))
             x += w * N[j, 0]
             y += w * N[j, 1]
             z += w * N[j, 2]
