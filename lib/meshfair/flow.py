@@ -212,8 +212,8 @@ def _step(A, V, held, tau, V_next, V_clean=None):
 
 @compiled(fused=True)
 def _average(first, last, indptr, indices, A, V, V_next):
-    """v+_i = sum_j a_ij v_j: what `_flow` does for tau = 1, with so much less to do per row."""
-    p, one = indptr[first], indptr.dtype.type(1)  # of one type: numba adds others as floats
+    """v+_i = sum_j a_ij v_j: `_flow` for tau = 1 and nothing held, with less to do per row."""
+    p, one = indptr[first], indptr.dtype.type(1)  # of one type: numba adds two as floats
     for i in range(first, last):
         x = y = z = 0.0
         while p < indptr[i + 1]:
@@ -225,22 +225,25 @@ def _average(first, last, indptr, indices, A, V, V_next):
         V_next[i, 0], V_next[i, 1], V_next[i, 2] = x, y, z
 
 
-@compiled
+@compiled(fused=True)
 def _flow(first, last, indptr, indices, A, V, held, tau, V_next, V_clean):
     """v+_i = (1 - tau) v_i + tau sum_j a_ij v_j, but v+_i = v_i where held."""
     noise = 0.0
+    p, one = indptr[first], indptr.dtype.type(1)
     for i in range(first, last):
-        x, y, z = V[i, 0], V[i, 1], V[i, 2]
-        if not held[i]:
-            mean_x = mean_y = mean_z = 0.0
-            for p in range(indptr[i], indptr[i + 1]):
-                a, j = A[p], indices[p]
-                mean_x += a * V[j, 0]
-                mean_y += a * V[j, 1]
-                mean_z += a * V[j, 2]
-            x = (1 - tau) * x + tau * mean_x
-            y = (1 - tau) * y + tau * mean_y
-            z = (1 - tau) * z + tau * mean_z
+        x = y = z = 0.0
+        while p < indptr[i + 1]:
+            a, j = A[p], indices[p]
+            x += a * V[j, 0]
+            y += a * V[j, 1]
+            z += a * V[j, 2]
+            p += one
+        if held[i]:
+            x, y, z = V[i, 0], V[i, 1], V[i, 2]
+        else:
+            x = (1 - tau) * V[i, 0] + tau * x
+            y = (1 - tau) * V[i, 1] + tau * y
+            z = (1 - tau) * V[i, 2] + tau * z
         V_next[i, 0], V_next[i, 1], V_next[i, 2] = x, y, z
         if len(V_clean):
             dx, dy, dz = x - V_clean[i, 0], y - V_clean[i, 1], z - V_clean[i, 2]

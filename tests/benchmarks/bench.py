@@ -15,7 +15,7 @@ bench.csv has a row for each task and contender:
     vertices, faces   of the mesh (task "flow": the bunny itself, not subdivided)
     task              weights; step (one averaging step in one call); steps (each of twenty
                       in one call); both again "in order": vertices numbered so that neighbours
-                      are near in memory, as `meshfair.ordering` does; implicit; flow (three
+                      are near in memory, as `ordering.reorder` does; implicit; flow (three
                       weights, twenty steps, SNR at each)
     contender         which library, ours first
     rounds            how often it was measured: slow contenders less often than others
@@ -48,7 +48,7 @@ import numpy as np
 import scaling
 from contenders import CONTENDERS, STEPS, known
 
-from meshfair import ordering, weights
+from meshfair import ordering
 
 RESULTS = Path(__file__).resolve().parents[2] / "report" / "results"
 IN_ORDER = " in order"
@@ -178,10 +178,9 @@ def compare(task, mesh, rounds, processes, copied):
 def in_order(mesh, folder):
     """The same mesh, vertices numbered breadth-first, in a file of its own."""
     with np.load(mesh) as arrays:
-        V, F = arrays["V"], arrays["F"]
-    order, _ = ordering.nearby(weights.combinatorial(F, len(V)))
+        V, F, _ = ordering.reorder(arrays["V"], arrays["F"])
     file = Path(folder) / "in_order.npz"
-    np.savez(file, V=ordering.take(V, order), F=ordering.rank(order)[F])
+    np.savez(file, V=V, F=F)
     return file
 
 
