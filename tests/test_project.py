@@ -1,6 +1,7 @@
 """The repository: its shape, its dependencies, the direction of its imports."""
 
 import ast
+import csv
 import re
 import subprocess
 import sys
@@ -119,3 +120,36 @@ def test_links_of_the_readme_lead_somewhere():
     for page in ROOT.glob("*.md"):
         for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8")):
             assert (ROOT / target).exists(), f"{page.name}: {target}"
+
+
+# Rows of README's table of times: task and contender of ours in report/results/bench.csv.
+TIMES = {
+    "cotangent weights": ("weights", "ours, from nothing"),
+    "the same, edges known from before": ("weights", "ours, pattern known"),
+    "one averaging step": ("step", "ours"),
+    "each of twenty steps in one call": ("steps", "ours"),
+    "the same on the reordered mesh": ("steps in order", "ours"),
+    "one implicit step": ("implicit", "ours"),
+}
+
+
+def test_readme_gives_the_times_that_were_measured():
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    with open(ROOT / "report" / "results" / "bench.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    seconds = {(row["task"], row["contender"]): float(row["seconds"]) for row in rows}
+    table = re.findall(r"^\| ([a-z][^|]*) \| ([\d.]+) \| ([^|]+) \|$", readme, re.M)
+    assert [row[0] for row in table] == list(TIMES)
+    for what, ours, others in table:
+        task, name = TIMES[what]
+        assert float(ours) == two_digits(1e3 * seconds[task, name]), what
+        for other, times in re.findall(r"([^,]+?) ([\d.]+)(?:, |$)", others):
+            other = {"SciPy's CG": "SciPy CG, diagonal"}.get(other, other)
+            expected = two_digits(seconds[task, other] / seconds[task, name])
+            assert float(times) == expected, (what, other)
+    vertices = {row["vertices"] for row in rows if row["task"] == "step"}
+    assert f"({int(*vertices):,}\nvertices)" in readme
+
+
+def two_digits(x):
+    return float(f"{x:.2g}")

@@ -40,7 +40,9 @@ def _bunny():
 
 def table(meshes, rounds):
     """Measure each level in a process of its own; print and return the rows."""
-    print("by size, nanoseconds a vertex (a step: of twenty, with the SNR at each)")
+    print(
+        "by size, nanoseconds a vertex (step: each of twenty; whole_flow: twenty, the SNR at each)"
+    )
     rows = []
     for file, _, _ in meshes:
         with multiprocessing.get_context("spawn").Pool(1) as pool:
