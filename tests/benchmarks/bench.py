@@ -1,6 +1,6 @@
 """Time, memory and results of the package and of others that do the same: `make bench`.
 
-    python tests/benchmarks/bench.py [--quick] [--rounds N] [--results FOLDER]
+    python tests/benchmarks/bench.py [--quick] [--rounds N] [--results FOLDER] [--task TASK]
 
 Each library works in a process of its own on the same mesh, the Stanford bunny
 subdivided twice (a torus of that size where `make data` was not run). The
@@ -244,14 +244,16 @@ def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="small meshes, one round: a trial")
     parser.add_argument("--rounds", type=int, help="rounds of each task (default: by task)")
-    parser.add_argument("--results", type=Path, default=RESULTS, help="folder of the CSV files")
+    parser.add_argument("--results", type=Path, help="folder of the CSV files")
     parser.add_argument(
-        "--task", choices=ROUNDS, action="append", help="only this; can be repeated"
+        "--task",
+        choices=ROUNDS,
+        action="append",
+        help="only this, which can be repeated; without --results nothing is written then",
     )
-    parser.add_argument("--no-scaling", action="store_true", help="without the table by size")
     options = parser.parse_args(arguments)
-    options.results.mkdir(parents=True, exist_ok=True)
-    rows = []
+    results = options.results or (None if options.task else RESULTS)
+    tables, rows = {}, []
     with tempfile.TemporaryDirectory() as folder:
         meshes = scaling.meshes(folder, quick=options.quick)
         mesh, n, m = meshes[0 if options.quick else scaling.MAIN]
@@ -279,15 +281,17 @@ def main(arguments=None):
         for process in processes.values():
             process.close()
         judge(rows)
-        write(options.results / "bench.csv", rows)
+        tables["bench.csv"] = rows
         if not options.task:
             rounds = 1 if options.quick else options.rounds or 3
-            write(options.results / "filters.csv", filtering.table(rounds, options.quick))
-        if not options.no_scaling:
-            table = scaling.table(meshes, rounds=1 if options.quick else options.rounds or 3)
-            write(options.results / "scaling.csv", table)
+            tables["filters.csv"] = filtering.table(rounds, options.quick)
+            tables["scaling.csv"] = scaling.table(meshes, rounds)
     facts = [*measuring.machine(), ("copy GB/s", f"{measuring.median(bandwidths) / 1e9:.1f}")]
-    write(options.results / "machine.csv", [{"what": key, "value": x} for key, x in facts])
+    tables["machine.csv"] = [{"what": key, "value": x} for key, x in facts]
+    if results is not None:
+        results.mkdir(parents=True, exist_ok=True)
+        for name, table in tables.items():
+            write(results / name, table)
 
 
 if __name__ == "__main__":
