@@ -281,6 +281,21 @@ def test_rows_are_taken_and_put_back(rng, columns):
     out = np.empty_like(X)
     assert ordering.put_back(taken, order, out) is out
     np.testing.assert_array_equal(out, X)
+    np.testing.assert_array_equal(ordering.put_back(np.asfortranarray(taken), order), X)
+
+
+@pytest.mark.parametrize(
+    ("order", "message"),
+    [
+        ([0, 1], r"int64 of shape \(2,\), but X has 3 rows"),
+        ([0.0, 1.0, 2.0], "float64"),
+        ([0, 1, 3], r"outside 0 \.\. 2"),
+        ([0, -1, 2], r"outside 0 \.\. 2"),
+    ],
+)
+def test_an_order_of_another_mesh_is_refused(order, message):
+    with pytest.raises(MeshError, match=message):
+        ordering.put_back(np.zeros((3, 3)), order)
 
 
 def test_a_reordered_mesh_is_the_same_mesh(rng):

@@ -15,7 +15,7 @@ anew: who runs several, or single steps, reorders the mesh once.
 import numpy as np
 from scipy.sparse import csr_array
 
-from meshfair.checks import check_mesh
+from meshfair.checks import MeshError, check_mesh
 from meshfair.kernels import compiled, on_all_cores, unsigned
 from meshfair.pattern import Pattern
 
@@ -139,18 +139,31 @@ def put_back(X, order, out=None):
     ----------
     X : ndarray, shape (n, ...)
     order : ndarray of integers, shape (n,)
-        A permutation of 0 .. n - 1, which is not checked.
-    out : ndarray of the type and shape of ``X``, optional
+        As `reorder` returned it.
+    out : C-contiguous ndarray of the type and shape of ``X``, optional
         Where to write them.
 
     Returns
     -------
     ndarray of the type and shape of ``X``
         ``out`` where it is given.
+
+    Raises
+    ------
+    MeshError
+        ``order`` has another length, or an entry outside 0 .. n - 1.
     """
-    out = np.empty_like(X) if out is None else out
-    columns = (len(X), -1)
-    on_all_cores(_put_back, len(X), X.reshape(columns), *unsigned(order), out.reshape(columns))
+    X, order, n = np.asarray(X), np.asarray(order), len(X)
+    if order.shape != (n,) or order.dtype.kind not in "iu":
+        raise MeshError(
+            f"order is an array of {order.dtype} of shape {order.shape}, but X has {n} rows; "
+            "give the order that reorder returned with them"
+        )
+    if n and unsigned(order)[0].max() >= n:
+        raise MeshError(f"order has an entry outside 0 .. {n - 1}; give one that reorder returned")
+    out = np.empty_like(X, order="C") if out is None else out
+    columns = (n, X.size // max(n, 1))
+    on_all_cores(_put_back, n, X.reshape(columns), *unsigned(order), out.reshape(columns))
     return out
 
 
