@@ -128,7 +128,8 @@ class _Level:
 
     def __init__(self, A):
         n = A.shape[0]
-        self.A = A.astype(np.float32)
+        # (A.astype would sort every row first.)
+        self.A = csr_array((A.data.astype(np.float32), A.indices, A.indptr), shape=A.shape)
         self.weight = np.empty(n, dtype=np.float32)
         on_all_cores(_weights, n, A.indptr, A.data, self.weight)
         self.aggregate = np.full(n, -1, dtype=A.indices.dtype)
