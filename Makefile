@@ -35,7 +35,7 @@ fuzz: $(VENV)/test.done ## try the readers on random bytes for ten minutes (FUZZ
 	MESHFAIR_FUZZ_SECONDS=$(FUZZ_SECONDS) $(BIN)/python -m pytest tests/test_io.py -k random_bytes
 
 assignments: $(VENV)/notebooks.done ## make the students' versions of the assignments
-	$(BIN)/python -m meshfair.grading.generate
+	$(BIN)/python -m meshfair_grading.generate
 
 lint: $(VENV)/test.done ## check the code's style
 	$(BIN)/ruff check .

@@ -11,11 +11,11 @@ from PIL import Image
 
 from meshfair import denoising, experiments, filters, flow, plotting
 from meshfair.experiments.cases import WEIGHTS, add_noise, load_mesh, operator
-from meshfair.experiments.seed import F16_DECIBELS, TAU, TIME
-from meshfair.mesh import clean, cluster, edges, half_edges, mean_edge_length, vertex_normals
+from meshfair.experiments.original import F16_DECIBELS, TAU, TIME
+from meshfair.mesh import Edges, cluster, half_edges, mean_edge_length, repair, vertex_normals
 from meshfair.metrics import normal_angles
-from meshfair.risk import Risk
 from meshfair.shapes import jet_parts
+from meshfair.sure import SURE
 from meshfair.viewer import Camera, render
 from tables import JET_NOISE, QUALITY_NOISE, SEED
 
@@ -46,9 +46,9 @@ def colour_bar(path, limits, label, colours=ERRORS):
         axes.grid(False)
 
 
-def errors(V, V_clean, F):
+def errors(V, V_true, F):
     """Distance of each vertex from its clean place, in mean edge lengths."""
-    return np.linalg.norm(V - V_clean, axis=1) / mean_edge_length(V_clean, F)
+    return np.linalg.norm(V - V_true, axis=1) / mean_edge_length(V_true, F)
 
 
 def cotangent_angles(folder, _):
@@ -261,7 +261,7 @@ def reduction(folder, data):
     """The reduced knot's bad triangles, before and after the repair."""
     V, F = cluster(*load_mesh("fine knot"), data["reduction"]["cell"].max())
     camera = Camera.around(V, (0.35, -1.0, 0.45))
-    split = clean(V, F, duplicates=True, split=True)
+    split = repair(V, F, duplicates=True, split=True)
     sides = []
     for X, T in ((V, F), (split.V, split.F)):
         bad = bad_faces(T).astype(float)
@@ -275,8 +275,8 @@ def bad_faces(F):
     """Faces stored twice, or with an edge that has more than two faces."""
     _, group, count = np.unique(np.sort(F, axis=1), axis=0, return_inverse=True, return_counts=True)
     repeated = count[group.ravel()] > 1
-    E, faces_of_edge = edges(F)
-    crowded = {tuple(edge) for edge in E[faces_of_edge > 2]}
+    edges = Edges(F)
+    crowded = {tuple(edge) for edge in edges.ends[edges.faces_of_edge > 2]}
     H = np.sort(half_edges(F), axis=1)
     at_crowded = np.array([tuple(edge) in crowded for edge in H]).reshape(3, -1).any(axis=0)
     return repeated | at_crowded
@@ -315,11 +315,11 @@ def risk(folder, _):
     with plotting.figure(folder / "risk.svg", columns=2, sharey=True) as panels:
         for axes, mesh in zip(panels, ("torus", "jet"), strict=True):
             noisy, V, F = experiments.noisy_and_clean(mesh, QUALITY_NOISE, SEED)
-            estimated = Risk(noisy, F, np.random.default_rng(SEED))
+            estimated = SURE(noisy, F, np.random.default_rng(SEED))
             unit = true_risk(noisy, V, F)
             for method, colour in (("taubin", "#0072B2"), ("bilateral", "#D55E00")):
                 apply = getattr(filters, method)
-                meshes = noisy, estimated.V_probed
+                meshes = noisy, estimated.V_perturbed
                 runs = zip(*(apply(X, F, iterations=15) for X in meshes), strict=True)
                 states = [meshes, *((X, Y) for (_, X), (_, Y) in runs)]
                 guess = np.array([estimated(X, Y) for X, Y in states]) / unit
@@ -334,10 +334,10 @@ def risk(folder, _):
         panels[0].legend(fontsize=7.5)
 
 
-def true_risk(V, V_clean, F):
+def true_risk(V, V_true, F):
     """What `Risk` estimates: the mean squared difference of the errors' heights along edges."""
-    heights = np.sum((V - V_clean) * vertex_normals(V, F), axis=1)
-    E, _ = edges(F)
+    heights = np.sum((V - V_true) * vertex_normals(V, F), axis=1)
+    E = Edges(F).ends
     return np.mean((heights[E[:, 0]] - heights[E[:, 1]]) ** 2)
 
 

@@ -1,10 +1,10 @@
 """Every number that the report's text names, computed from the experiments' tables."""
 
 from meshfair import shapes
+from meshfair.denoising import estimate_noise
 from meshfair.experiments import PAIRS, load_mesh, noisy_and_clean
-from meshfair.experiments.seed import F16_DECIBELS, KNOT_DECIBELS, TAU, TIME
-from meshfair.mesh import components, edges, mean_edge_length, unique_faces
-from meshfair.noise import estimate
+from meshfair.experiments.original import F16_DECIBELS, KNOT_DECIBELS, TAU, TIME
+from meshfair.mesh import Edges, components, mean_edge_length, unique_faces
 from tables import JET_NOISE, QUALITY_NOISE, SEED
 
 SHORT = {"combinatorial": "comb", "distance": "dist", "cotangent": "cot"}
@@ -72,7 +72,7 @@ def _meshes(data):
     if "f16" in data:
         F = load_mesh("f16")[1]
         found["f16-duplicates"] = str(len(F) - len(unique_faces(F)))
-        _, faces_of_edge = edges(F)
+        faces_of_edge = Edges(F).faces_of_edge
         found["f16-boundary"] = str((faces_of_edge == 1).sum())
         found["f16-nonmanifold"] = str((faces_of_edge > 2).sum())
     V, F = shapes.jet()
@@ -93,11 +93,11 @@ def _table_1(data):
     uniform = table[table["noise"] == "uniform"]
     for name, short in SHORT.items():
         rows = uniform[uniform["weights"] == name]
-        off = (rows["snr_mean"] - rows["seed_snr"]).abs()
-        steps = ((rows["time_mean"] - rows["seed_time"]) / TAU).abs()
+        off = (rows["snr_mean"] - rows["original_snr"]).abs()
+        steps = ((rows["time_mean"] - rows["original_time"]) / TAU).abs()
         found[f"t1-{short}-off"] = f"{off.max():.2f}"
-        found[f"t1-{short}-off-low"] = f"{(rows['snr_mean'] - rows['seed_snr']).min():.2f}"
-        found[f"t1-{short}-off-high"] = f"{(rows['snr_mean'] - rows['seed_snr']).max():.2f}"
+        found[f"t1-{short}-off-low"] = f"{(rows['snr_mean'] - rows['original_snr']).min():.2f}"
+        found[f"t1-{short}-off-high"] = f"{(rows['snr_mean'] - rows['original_snr']).max():.2f}"
         found[f"t1-{short}-steps"] = f"{steps.max():.1f}"
     found["t1-gain-low"] = f"{uniform['gain_mean'].min():.1f}"
     found["t1-gain-high"] = f"{uniform['gain_mean'].max():.1f}"
@@ -106,8 +106,8 @@ def _table_1(data):
         "t1-last-time": f"{cell['time_mean']:.2f}",
         "t1-last-time-std": f"{cell['time_std']:.2f}",
         "t1-last-snr": f"{cell['snr_mean']:.2f}",
-        "t1-last-seed-time": f"{cell['seed_time']:.1f}",
-        "t1-last-seed-snr": f"{cell['seed_snr']:.2f}",
+        "t1-last-seed-time": f"{cell['original_time']:.1f}",
+        "t1-last-seed-snr": f"{cell['original_snr']:.2f}",
         "t1-last-row": f"{cell['row']:.2f}",
     }
     first = table[table["row"] == table["row"].iloc[0]].set_index(["noise", "weights"])
@@ -290,7 +290,7 @@ def _quality(data):
         guesses = {}
         for mesh in ("box", "torus", "knot", "jet"):
             noisy, _, F = noisy_and_clean(mesh, QUALITY_NOISE, SEED)
-            guesses[mesh] = estimate(noisy, F, by)
+            guesses[mesh] = estimate_noise(noisy, F, by)
         lowest = min(guesses, key=guesses.get)
         found[f"{by}-low-mesh"], found[f"{by}-low"] = lowest, f"{guesses[lowest]:.3f}"
         found[f"{by}-high"] = f"{max(guesses.values()):.3f}"

@@ -9,7 +9,7 @@ import warnings
 from functools import wraps
 
 from meshfair import StabilityWarning, datasets, experiments
-from meshfair.experiments.seed import F16_DECIBELS, KNOT_DECIBELS
+from meshfair.experiments.original import F16_DECIBELS, KNOT_DECIBELS
 
 SEED = 1  # of every single-draw experiment
 JET_NOISE = {"noise": "normals", "size": 0.3}

@@ -10,10 +10,10 @@ import tempfile
 import time
 from pathlib import Path
 
-from meshfair.grading.generate import ASSIGNMENTS
-from meshfair.grading.isolation import Isolation
-from meshfair.grading.marking import grade
-from meshfair.grading.source import Source
+from meshfair_grading.generate import ASSIGNMENTS
+from meshfair_grading.isolation import Isolation
+from meshfair_grading.marking import grade
+from meshfair_grading.source import Source
 
 SOURCE = Source.read(ASSIGNMENTS / "source" / "a2.py")
 RIGHT = SOURCE.solution()

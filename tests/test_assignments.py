@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from meshfair.grading.feedback import Report
-from meshfair.grading.generate import ASSIGNMENTS, drifted, main
-from meshfair.grading.source import HIDDEN, SOLUTION, Source
-from meshfair.grading.students import NotebookStudent
+from meshfair_grading.feedback import Report
+from meshfair_grading.generate import ASSIGNMENTS, drifted, main
+from meshfair_grading.source import HIDDEN, SOLUTION, Source
+from meshfair_grading.students import NotebookStudent
 
 NAMES = ("a1", "a2", "a3", "a4", "a5")
 SOURCES = {name: Source.read(ASSIGNMENTS / "source" / f"{name}.py") for name in NAMES}

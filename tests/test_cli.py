@@ -114,18 +114,18 @@ def test_what_should_be_known_is_a_warning_on_standard_error(run, tmp_path):
 def test_clean_does_what_is_asked_and_tells(run, tmp_path):
     source, out = tmp_path / "in.off", tmp_path / "out.off"
     io.write(source, *bow_tie())
-    code, text, _ = run("clean", source, out, "--split", "--unreferenced")
+    code, text, _ = run("repair", source, out, "--split", "--unreferenced")
     assert code == 0
     assert "1 copies" in text
     assert "dropped 0 vertices" in text
-    expected = mesh.clean(*bow_tie(), split=True)
+    expected = mesh.repair(*bow_tie(), split=True)
     V, F = io.read(out)
     assert np.array_equal(V, expected.V)
     assert np.array_equal(F, expected.F)
 
 
 def test_clean_does_nothing_unasked(run, knot, tmp_path):
-    code, text, _ = run("clean", knot, tmp_path / "same.ply")
+    code, text, _ = run("repair", knot, tmp_path / "same.ply")
     assert code == 0
     assert "nothing was asked for" in text
     assert (tmp_path / "same.ply").read_bytes() == knot.read_bytes()
@@ -133,7 +133,7 @@ def test_clean_does_nothing_unasked(run, knot, tmp_path):
 
 def test_clean_as_json(run, knot, tmp_path):
     code, text, _ = run(
-        "clean", knot, tmp_path / "o.obj", "--weld", 0, "--orient", "outward", "--json"
+        "repair", knot, tmp_path / "o.obj", "--weld", 0, "--orient", "outward", "--json"
     )
     assert code == 0
     facts = json.loads(text)
@@ -161,14 +161,14 @@ def test_noise_is_that_of_the_package(run, knot, tmp_path):
         expected = model(np.random.default_rng(5))
         assert np.array_equal(X, expected)
         assert np.array_equal(T, F)
-        assert json.loads(text)["snr"] == noise.snr(V, X)
+        assert json.loads(text)["snr"] == metrics.snr(V, X)
 
 
 def test_noise_at_an_snr(run, knot, tmp_path):
     code, _, _ = run("noise", knot, tmp_path / "o.ply", "--snr", 22.85)
     assert code == 0
     V, _ = io.read(tmp_path / "o.ply")
-    assert noise.snr(shapes.knot()[0], V) == pytest.approx(22.85, abs=1e-9)
+    assert metrics.snr(shapes.knot()[0], V) == pytest.approx(22.85, abs=1e-9)
 
 
 def test_no_noise_has_no_snr_that_json_could_hold(run, knot, tmp_path):
@@ -207,10 +207,10 @@ def test_compare_prints_every_metric(run, knot, tmp_path):
     X, _ = io.read(noisy)
     found = json.loads(text)
     assert found == metrics.compare(X, F, V, F)
-    assert found["snr"] == noise.snr(V, X)
+    assert found["snr"] == metrics.snr(V, X)
     code, text, _ = run("compare", noisy, knot)
     assert code == 0
-    assert f"{noise.snr(V, X):.6g} dB" in text
+    assert f"{metrics.snr(V, X):.6g} dB" in text
 
 
 def test_compare_meshes_of_different_connectivity(run, knot, tmp_path):
@@ -241,8 +241,8 @@ def test_denoise_is_that_of_the_package(run, noisy, tmp_path):
             (["--method", "heat", "--set", "tau=0.5"], {"method": "heat", "tau": 0.5}),
             (["--method", "implicit", "--set", "keep_volume=True"],
              {"method": "implicit", "keep_volume": True}),
-            (["--method", "averaging", "--set", "steps=3", "--set", "weights=distance"],
-             {"method": "averaging", "steps": 3, "weights": "distance"}),
+            (["--method", "averaging", "--set", "iterations=3", "--set", "weights=distance"],
+             {"method": "averaging", "iterations": 3, "weights": "distance"}),
             (["--method", "taubin", "--auto"], {"method": "taubin", "parameters": "auto"}),
             ([], {}),
         ]
@@ -260,11 +260,11 @@ def test_denoise_is_that_of_the_package(run, noisy, tmp_path):
 
 
 def test_denoise_tells_how_much_closer_it_came(run, noisy, knot, tmp_path):
-    words = ["denoise", noisy, tmp_path / "o.ply", "--method", "heat", "--clean", knot]
+    words = ["denoise", noisy, tmp_path / "o.ply", "--method", "heat", "--ground-truth", knot]
     code, text, _ = run(*words)
     assert code == 0
     V, _ = shapes.knot()
-    before, after = (noise.snr(V, io.read(p)[0]) for p in (noisy, tmp_path / "o.ply"))
+    before, after = (metrics.snr(V, io.read(p)[0]) for p in (noisy, tmp_path / "o.ply"))
     assert f"{before:.6g} -> {after:.6g} dB" in text
     code, text, _ = run(*words, "--json", "--force")
     history = json.loads(text)["history"]
@@ -277,7 +277,7 @@ def test_denoise_holds_the_boundary(run, tmp_path, rng):
     V = V + 0.1 * rng.standard_normal(V.shape)
     io.write(tmp_path / "in.off", V, F)
     out = tmp_path / "out.off"
-    words = ["--method", "heat", "--hold-boundary", "--json"]
+    words = ["--method", "heat", "--fix-boundary", "--json"]
     code, text, _ = run("denoise", tmp_path / "in.off", out, *words)
     assert code == 0
     rim = mesh.boundary_vertices(F)
@@ -295,7 +295,7 @@ def test_denoise_holds_the_boundary(run, tmp_path, rng):
         (["--method", "heat", "--weights", "heavy"], "weights is 'heavy'"),
         (["--method", "heat", "--time", "-1"], "time"),
         (["--method", "heat", "--set", "tau=fast"], "tau is 'fast'"),
-        (["--clean", "missing.ply"], "missing.ply"),
+        (["--ground-truth", "missing.ply"], "missing.ply"),
     ],
 )
 def test_wrong_denoising_is_refused_in_one_line(run, noisy, tmp_path, words, message):
@@ -315,7 +315,7 @@ def test_a_parameter_without_name_or_value_is_wrong_usage(noisy, tmp_path, text,
 
 def test_the_clean_mesh_is_never_written_over(run, noisy, knot):
     before = knot.read_bytes()
-    code, _, err = run("denoise", noisy, knot, "--force", "--clean", knot)
+    code, _, err = run("denoise", noisy, knot, "--force", "--ground-truth", knot)
     assert code == 1
     assert "input" in one_line(err)
     assert knot.read_bytes() == before

@@ -28,7 +28,7 @@ def test_every_filter_has_its_name():
 @pytest.mark.parametrize("method", NAMES)
 def test_a_method_is_its_filter_with_what_is_recorded(method, noisy_box):
     V, clean, F = noisy_box
-    result = meshfair.denoise(V, F, method, clean=clean)
+    result = meshfair.denoise(V, F, method, ground_truth=clean)
     states = list(getattr(filters, method.replace("-", "_"))(V, F, **result.parameters))
     np.testing.assert_array_equal(result.V, states[-1][1])
     assert set(result.parameters) == set(denoising.defaults(method))
@@ -37,19 +37,19 @@ def test_a_method_is_its_filter_with_what_is_recorded(method, noisy_box):
     assert result.seconds > 0
     history = result.history
     assert list(history.columns) == ["iteration", "normal_angle", "snr"]
-    assert history["snr"].iloc[0] == noise.snr(clean, V)
-    assert history["snr"].iloc[-1] == noise.snr(clean, result.V)
+    assert history["snr"].iloc[0] == metrics.snr(clean, V)
+    assert history["snr"].iloc[-1] == metrics.snr(clean, result.V)
     assert history["normal_angle"].iloc[-1] == metrics.normal_angle(result.V, clean, F)
-    assert result.risk is None
+    assert result.sure is None
 
 
 @pytest.mark.parametrize("method", QUICK)
 def test_automatic_parameters_give_the_same_mesh_again(method, noisy_box):
     V, clean, F = noisy_box
-    auto = meshfair.denoise(V, F, method, parameters="auto", clean=clean)
+    auto = meshfair.denoise(V, F, method, parameters="auto", ground_truth=clean)
     again = meshfair.denoise(V, F, method, **auto.parameters)
     np.testing.assert_array_equal(auto.V, again.V)
-    assert auto.history["snr"].iloc[-1] == noise.snr(clean, auto.V)
+    assert auto.history["snr"].iloc[-1] == metrics.snr(clean, auto.V)
 
 
 @pytest.mark.parametrize("method", QUICK)
@@ -98,15 +98,17 @@ def test_progress_and_cancelling(noisy_box):
     assert seen[-1] == 1.0
     early = meshfair.denoise(V, F, "implicit", parameters="auto", callback=lambda p: False)
     assert not early.finished
-    assert early.risk is None
+    assert early.sure is None
     np.testing.assert_array_equal(early.V, V)
 
 
 def test_a_given_parameter_is_kept(noisy_box):
     V, _, F = noisy_box
-    auto = meshfair.denoise(V, F, "implicit", parameters="auto", weights="combinatorial", steps=2)
+    auto = meshfair.denoise(
+        V, F, "implicit", parameters="auto", weights="combinatorial", iterations=2
+    )
     assert auto.parameters["weights"] == "combinatorial"
-    assert auto.parameters["steps"] == 2
+    assert auto.parameters["iterations"] == 2
     auto = meshfair.denoise(V, F, "bilateral", parameters="auto", iterations=3)
     assert auto.parameters["iterations"] <= 3  # the most that are made
 
@@ -130,7 +132,7 @@ def test_a_filter_of_ones_own(noisy_box, monkeypatch):
     by_name = meshfair.denoise(V, F, "halfway", iterations=2)
     *_, (_, expected) = filters.heat(V, F, tau=0.5, time=1.0)
     np.testing.assert_allclose(by_name.V, expected, atol=1e-12)
-    auto = meshfair.denoise(V, F, "halfway", parameters="auto", clean=clean)
+    auto = meshfair.denoise(V, F, "halfway", parameters="auto", ground_truth=clean)
     assert 1 <= auto.parameters["iterations"] <= 6
 
 
@@ -139,7 +141,7 @@ def test_a_filter_of_ones_own(noisy_box, monkeypatch):
     [
         ({"method": "laplace"}, "no method is called 'laplace'; there are averaging, heat, "),
         ({"method": "sun", "sigma_normal": 1}, "sun has no parameter 'sigma_normal'; it has thr"),
-        ({"parameters": "best"}, "parameters is 'best'; give 'default' or 'auto'"),
+        ({"parameters": "best"}, "parameters is 'best'; give one of default, auto"),
         ({"method": "taubin", "iterations": -1}, "iterations is -1"),
         ({"parameters": "auto", "sigma": -1.0}, "sigma"),
     ],
@@ -152,8 +154,8 @@ def test_wrong_arguments_are_named(noisy_box, arguments, wrong):
 
 def test_a_clean_mesh_of_another_size(noisy_box):
     V, clean, F = noisy_box
-    with pytest.raises(meshfair.MeshError, match="clean"):
-        meshfair.denoise(V, F, clean=clean[:-1])
+    with pytest.raises(meshfair.MeshError, match="ground_truth"):
+        meshfair.denoise(V, F, ground_truth=clean[:-1])
 
 
 # What is asked of the best method with automatic parameters, in degrees.

@@ -54,7 +54,7 @@ def test_the_noise_explorer_shows_the_snr():
     explorer = explorers.NoiseExplorer(V, F, size=0.3)
     explorer.wait()
     noisy = noise.along_normals(V, F, 0.3, np.random.default_rng(1))
-    assert explorer.snr == noise.snr(V, noisy)
+    assert explorer.snr == metrics.snr(V, noisy)
     assert explorer.view.titles[1] == f"noisy: {explorer.snr:.2f} dB"
     (curve,) = explorer.charts[0].series
     assert np.interp(0.3, curve["x"], curve["y"]) == pytest.approx(explorer.snr, abs=0.05)
@@ -72,7 +72,7 @@ def test_the_heat_explorer_shows_the_flow():
     expected = list(flow.heat(V_noisy, operator(V_noisy, F, "cotangent"), 0.5, 3))
     np.testing.assert_array_equal(explorer.view.panels[1].V, V_noisy)
     np.testing.assert_array_equal(explorer.view.panels[2].V, expected[4][1])
-    decibels = [noise.snr(V, X) for _, X in expected]
+    decibels = [metrics.snr(V, X) for _, X in expected]
     assert explorer.view.titles[2] == f"cotangent, t = 2.00, SNR {decibels[4]:.2f} dB"
     (curve,) = explorer.charts[0].series
     np.testing.assert_allclose(curve["y"], decibels)
@@ -178,14 +178,14 @@ def test_the_filter_explorer_shows_what_denoise_makes_of_the_mesh():
     explorer.controls["parameters"].value = "auto"
     explorer.wait()
     V_noisy = add_noise(V, F, "normals", 2, size=0.3)
-    expected = denoising.denoise(V_noisy, F, "taubin", parameters="auto", clean=V)
+    expected = denoising.denoise(V_noisy, F, "taubin", parameters="auto", ground_truth=V)
     noisy, denoised, coloured = explorer.view.panels
     np.testing.assert_array_equal(noisy.V, V_noisy)
     np.testing.assert_array_equal(denoised.V, expected.V)
     np.testing.assert_array_equal(coloured.V, expected.V)
     np.testing.assert_array_equal(coloured.values, colouring.normal_angle(V, F)(expected.V))
     assert explorer.result.parameters == expected.parameters
-    angle, decibels = metrics.normal_angle(expected.V, V, F), noise.snr(V, expected.V)
+    angle, decibels = metrics.normal_angle(expected.V, V, F), metrics.snr(V, expected.V)
     assert explorer.view.titles[1] == f"taubin: {decibels:.2f} dB, {angle:.2f}°"
     for chart, column in zip(explorer.charts, ("normal_angle", "snr"), strict=True):
         (curve,) = chart.series
@@ -249,7 +249,7 @@ def test_slow_work_shows_its_noisy_mesh_and_cancel_keeps_what_there_is(endless, 
     V_noisy = add_noise(V_box, F_box, "normals", 1, size=0.3)
     np.testing.assert_array_equal(explorer.view.panels[0].V, V_noisy)
     assert explorer.view.titles[1] == "endless: at work"
-    assert f"{noise.snr(V_box, V_noisy):.2f} dB" in explorer.table.value
+    assert f"{metrics.snr(V_box, V_noisy):.2f} dB" in explorer.table.value
     assert "denoised" not in explorer.table.value
     explorer._cancel.click()
     explorer.wait(20)

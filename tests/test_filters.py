@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from meshes import fan, grid, pair
-from meshfair import filters, metrics, noise, shapes
-from meshfair.filters.hinges import bending, hinges
+from meshfair import denoising, filters, metrics, noise, shapes
+from meshfair.mesh.dihedral import dihedral_angles, interior_edges
 
 ALL = {name: getattr(filters, name) for name in filters.__all__}
 
@@ -49,10 +49,10 @@ def test_a_noisy_box_gets_flat_up_to_its_edges(name, noisy_box):
 @pytest.mark.parametrize("name", ["sun", "bilateral_normal", "feature_convinced"])
 def test_a_noisy_box_keeps_its_right_angles(name, noisy_box):
     V_noisy, V, F = noisy_box
-    edges = hinges(F)
-    right = bending(V, edges) > 1
+    edges = interior_edges(F)
+    right = dihedral_angles(V, edges) > 1
     assert np.count_nonzero(right) == 12 * 16
-    bent = np.degrees(bending(result(ALL[name], V_noisy, F), edges)[right])
+    bent = np.degrees(dihedral_angles(result(ALL[name], V_noisy, F), edges)[right])
     assert np.mean(bent) == pytest.approx(90, abs=1)
 
 
@@ -111,7 +111,7 @@ def test_defaults_reach_the_published_figures(mirror, name, method):
 )
 def test_the_estimate_of_the_noise(mirror, name, size, within):
     V_noisy, _, F = pair(mirror, name)
-    assert noise.estimate(V_noisy, F) == pytest.approx(size, rel=within)
+    assert denoising.estimate_noise(V_noisy, F) == pytest.approx(size, rel=within)
 
 
 @pytest.mark.parametrize("name", ["Fandisk0.3", "Bunny0.2"])

@@ -5,7 +5,17 @@ import numpy as np
 import pytest
 
 from meshes import fan
-from meshfair import MeshError, StabilityWarning, flow, noise, operators, shapes, weights
+from meshfair import (
+    MeshError,
+    StabilityWarning,
+    flow,
+    metrics,
+    noise,
+    operators,
+    shapes,
+    stability,
+    weights,
+)
 
 SECTIONS, SIDES = 20, 10
 
@@ -68,7 +78,7 @@ def test_a_sphere_shrinks_by_the_law_of_mean_curvature_flow():
         def build(V, F=F):
             return operators.diffusion(weights.cotangent(V, F), operators.mass(V, F))
 
-        *_, (time, last) = flow.heat(V, build, tau, 0.096, rebuild=True)
+        *_, (time, last) = flow.heat(V, build, tau, 0.096)
         radius = np.linalg.norm(last, axis=1).mean()
         errors.append(abs(radius**2 - (1 - 4 * time)))
     # tau goes down with the square of the edge length, so all is of second order.
@@ -85,7 +95,7 @@ def test_rebuilding_follows_the_surface(rng):
     by_hand = V
     for _ in range(3):
         by_hand = 0.5 * by_hand + 0.5 * (build(by_hand) @ by_hand)
-    *_, (_, rebuilt) = flow.heat(V, build, 0.5, 1.5, rebuild=True)
+    *_, (_, rebuilt) = flow.heat(V, build, 0.5, 1.5)
     *_, (_, once) = flow.heat(V, build, 0.5, 1.5)
     np.testing.assert_allclose(rebuilt, by_hand, atol=1e-14)
     assert np.abs(rebuilt - once).max() > 1e-6
@@ -95,7 +105,7 @@ def test_best_stopping_is_the_best_of_all(rng):
     V, F = shapes.knot()
     V_noisy = noise.along_normals(V, F, 0.3, rng)
     A = operators.averaging(weights.combinatorial(F, len(V)))
-    all_snr = {t: noise.snr(V, state) for t, state in flow.heat(V_noisy, A, 0.2, 3)}
+    all_snr = {t: metrics.snr(V, state) for t, state in flow.heat(V_noisy, A, 0.2, 3)}
     best = flow.best_stopping(V_noisy, V, A, 0.2, 3)
     assert best.time == max(all_snr, key=all_snr.get)
     assert best.snr == pytest.approx(all_snr[best.time], rel=1e-12)
@@ -143,7 +153,7 @@ def test_steps_outside_the_interval_are_warned_of(tau):
 
 def test_unstable_cotangent_steps_are_warned_of_with_the_bound():
     V, A = negative_weights()
-    bound = operators.stable_step(A)
+    bound = stability.stable_step(A)
     assert 2 / 3 <= bound < 1
     with pytest.warns(StabilityWarning, match=rf"negative weights.*tau = {bound:.3g}"):
         list(flow.heat(V, A, 1.0, 1))
@@ -159,10 +169,10 @@ def test_unstable_cotangent_steps_are_warned_of_with_the_bound():
         (lambda V, A: flow.heat(V, A, np.nan, 1), ValueError, "tau is nan"),
         (lambda V, A: flow.heat(V, A, 0.2, -1), ValueError, "time is -1"),
         (lambda V, A: flow.heat(V, A, 0.2, np.inf), ValueError, "time is inf"),
-        (lambda V, A: flow.heat(V, A, 0.2, 1, rebuild=True), ValueError, "needs a function"),
+        (lambda V, A: flow.heat(V, A, 0.2, 1), ValueError, "needs a function"),
         (lambda V, A: flow.heat(V[:5], A, 0.2, 1), MeshError, "V has 5 vertices"),
-        (lambda V, A: flow.average(V, A, -1), ValueError, "steps is -1"),
-        (lambda V, A: flow.average(V, A, 1.5), ValueError, "steps is 1.5"),
+        (lambda V, A: flow.average(V, A, -1), ValueError, "iterations is -1"),
+        (lambda V, A: flow.average(V, A, 1.5), ValueError, "iterations is 1.5"),
         (lambda V, A: flow.best_stopping(V, V[:5], A, 0.2, 1), MeshError, "vertices"),
     ],
 )

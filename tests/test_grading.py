@@ -21,16 +21,16 @@ from scipy.sparse import coo_array, csr_array
 
 from hand_ins import HOSTILE, RIGHT, SOURCE, build
 from meshfair.cli import grade as command
-from meshfair.grading import expect, marking, wire
-from meshfair.grading.answers import Answer, Failure, Other, Seeded, ask, plain
-from meshfair.grading.assignment import Assignment, Graded, Outcome
-from meshfair.grading.feedback import Report
-from meshfair.grading.isolation import Isolation, Limits
-from meshfair.grading.marking import find, grade
-from meshfair.grading.meshes import unseen
-from meshfair.grading.rules import Rules, violations
-from meshfair.grading.students import Submission
 from meshfair.mesh import is_closed, volume
+from meshfair_grading import expect, marking, wire
+from meshfair_grading.answers import Answer, Failure, Other, Seeded, ask, plain
+from meshfair_grading.assignment import Assignment, Graded, Outcome
+from meshfair_grading.feedback import Report
+from meshfair_grading.isolation import Isolation, Limits
+from meshfair_grading.marking import find, grade
+from meshfair_grading.meshes import unseen
+from meshfair_grading.rules import Rules, violations
+from meshfair_grading.students import Submission
 
 SEED = 99
 

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from broken import bow_tie, hourglass, moebius_strip, wild_meshes
 from meshes import CLOSED, RIGHT_TRIANGLE, fan, grid, rigid_motions, soups
 from meshfair import MeshError, MeshWarning, intrinsic, io, mesh, shapes, weights
-from meshfair.operators import averaging, laplacian, stable_step
+from meshfair.operators import averaging, laplacian
+from meshfair.stability import stable_step
 
 
 def noisy(make, rng, sigma=0.25):
@@ -246,7 +247,7 @@ def test_real_meshes(mirror, file):
     assert (weights.cotangent(V, F).data < -1e-10).any()
     assert (W.data > 0).all()
     # It needs vertices with faces, and counts repeated faces as often as they are stored.
-    V, F, *_ = mesh.clean(V, F, duplicates=True, unreferenced=True)
+    V, F, *_ = mesh.repair(V, F, duplicates=True, unreferenced=True)
     theirs, _ = robust_laplacian.mesh_laplacian(V, F, mollify_factor=1e-6)
     ours = laplacian(intrinsic.cotangent(V, F))
     assert abs(ours - theirs).max() < 1e-5 * abs(theirs).max()

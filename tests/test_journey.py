@@ -25,10 +25,10 @@ WEIGHTS = {
 def journey(V, F, folder, endings):
     """Inspect, clean, add noise, flow with each weight, write, read."""
     assert mesh.inspect(V, F).faces == len(F)
-    cleaned = mesh.clean(
+    repaired = mesh.repair(
         V, F, degenerate=True, duplicates=True, orient="consistent", split=True, unreferenced=True
     )
-    V, F = cleaned.V, cleaned.F
+    V, F = repaired.V, repaired.F
     found = mesh.inspect(V, F)
     assert found.manifold
     assert {"degenerate_faces", "duplicate_faces", "unreferenced_vertices"}.isdisjoint(
@@ -73,6 +73,6 @@ def test_a_soup_from_an_stl_file_goes_through_when_it_is_welded(tmp_path):
     with pytest.warns(UserWarning, match="weld"):
         soup, triangles = io.read(tmp_path / "box.stl")
     assert mesh.inspect(soup, triangles).counts["duplicate_vertices"] == 3 * len(F) - len(V)
-    welded = mesh.clean(soup, triangles, weld=0)
+    welded = mesh.repair(soup, triangles, weld=0)
     assert mesh.inspect(welded.V, welded.F).closed
     journey(welded.V, welded.F, tmp_path, [".ply"])

@@ -17,6 +17,7 @@ from meshfair import (
     StabilityWarning,
     flow,
     kernels,
+    metrics,
     noise,
     operators,
     ordering,
@@ -158,11 +159,11 @@ def test_flows_with_long_indices(monkeypatch):
     assert ordering.nearby(long)[1].indptr.dtype == np.int64
 
 
-def flows(V, A, V_clean, **options):
+def flows(V, A, V_true, **options):
     return [
         flow.average(V, A, 12, **options),
         list(flow.heat(V, A, 0.4, 2, **options))[-1][1],
-        flow.snr_curve(V, V_clean, A, 0.4, 4, **options),
+        flow.snr_curve(V, V_true, A, 0.4, 4, **options),
     ]
 
 
@@ -174,12 +175,12 @@ def up_to_rounding(X, steps):
 
 def test_flows_are_the_plain_forms():
     V, F = torus()
-    V_clean = shapes.torus(sections=200, sides=100)[0]
+    V_true = shapes.torus(sections=200, sides=100)[0]
     A = operators.averaging(weights.distance(V, F))
-    averaged, heated, curve = flows(V, A, V_clean)
+    averaged, heated, curve = flows(V, A, V_true)
     np.testing.assert_allclose(averaged, plain.heat(V, A, 1.0, 12), **up_to_rounding(V, 12))
     np.testing.assert_allclose(heated, plain.heat(V, A, 0.4, 5), **up_to_rounding(V, 5))
-    expected = [noise.snr(V_clean, plain.heat(V, A, 0.4, s)) for s in range(11)]
+    expected = [metrics.snr(V_true, plain.heat(V, A, 0.4, s)) for s in range(11)]
     np.testing.assert_allclose(curve[:, 1], expected, rtol=1e-11)
 
 
@@ -194,10 +195,12 @@ def test_fixed_vertices_stay(as_mask):
     np.testing.assert_allclose(heated, plain.heat(V, A, 0.4, 5, fixed), **up_to_rounding(V, 5))
     for moved in (averaged, heated):
         np.testing.assert_array_equal(moved[fixed], V[fixed])
-    assert curve[-1, 1] == pytest.approx(noise.snr(V, plain.heat(V, A, 0.4, 10, fixed)), rel=1e-11)
-    V_clean = V + 1
-    every = flow.best_stopping(V, V_clean, A, 0.4, 2, fixed=np.ones(len(V), dtype=bool))
-    assert every == (0.0, pytest.approx(noise.snr(V_clean, V), rel=1e-11), 0.0)
+    assert curve[-1, 1] == pytest.approx(
+        metrics.snr(V, plain.heat(V, A, 0.4, 10, fixed)), rel=1e-11
+    )
+    V_true = V + 1
+    every = flow.best_stopping(V, V_true, A, 0.4, 2, fixed=np.ones(len(V), dtype=bool))
+    assert every == (0.0, pytest.approx(metrics.snr(V_true, V), rel=1e-11), 0.0)
 
 
 @pytest.mark.parametrize(
@@ -230,7 +233,7 @@ def test_rebuilt_flow_in_place_is_the_one_with_new_arrays():
 
     states = [X for _, X in flow.heat(V, build, 0.5, 2, rebuild=True)]
     curve = flow.snr_curve(V, V + 1, build, 0.5, 2, rebuild=True)
-    np.testing.assert_allclose(curve[:, 1], [noise.snr(V + 1, X) for X in states], rtol=1e-11)
+    np.testing.assert_allclose(curve[:, 1], [metrics.snr(V + 1, X) for X in states], rtol=1e-11)
 
 
 def test_a_flow_that_explodes_is_stopped():
@@ -255,7 +258,7 @@ def test_order_for_locality(monkeypatch, rng):
     V, F = torus()
     mixed = rng.permutation(len(V))
     V, F = V[mixed], ordering.rank(mixed)[F]
-    V_clean = V + noise.gaussian(V, F, 0.1, rng) - V
+    V_true = V + noise.gaussian(V, F, 0.1, rng) - V
     A = operators.averaging(weights.distance(V, F))
     order, near = ordering.nearby(A)
     np.testing.assert_array_equal(np.sort(order), np.arange(len(V)))
@@ -264,9 +267,9 @@ def test_order_for_locality(monkeypatch, rng):
     rows = np.repeat(np.arange(len(V)), np.diff(A.indptr))
     assert np.abs(near.indices - rows).mean() < 0.1 * np.abs(A.indices - rows).mean()
     # Flows order large meshes by themselves: nobody can tell from their results.
-    as_given = flows(V, A, V_clean, fixed=[5])
+    as_given = flows(V, A, V_true, fixed=[5])
     monkeypatch.setattr(flow, "VERTICES_WORTH_ORDERING", 0)
-    ordered = flows(V, A, V_clean, fixed=[5])
+    ordered = flows(V, A, V_true, fixed=[5])
     np.testing.assert_array_equal(ordered[0], as_given[0])
     np.testing.assert_allclose(ordered[2], as_given[2], rtol=1e-11)
 

@@ -10,7 +10,7 @@ from broken import TETRAHEDRON, bow_tie, hourglass, wild_meshes
 from meshes import CLOSED, RIGHT_TRIANGLE, fan, grid, rigid_motions
 from meshfair import MeshError, mesh, operators, shapes, weights
 from meshfair.flow import average, heat
-from meshfair.mesh.topology import group_edges, repeated_rows
+from meshfair.mesh.duplicates import repeated_rows
 
 
 def edges_by_loop(F):
@@ -30,7 +30,8 @@ def test_edges_are_those_of_the_definition(wild):
     if not expected:
         F = np.concatenate([F, [[0, 1, 2]]])
         expected = edges_by_loop(F)
-    E, faces_of_edge = mesh.edges(F)
+    edges = mesh.Edges(F)
+    E, faces_of_edge = edges.ends, edges.faces_of_edge
     assert {
         tuple(e): k for e, k in zip(E.tolist(), faces_of_edge.tolist(), strict=True)
     } == expected
@@ -41,7 +42,7 @@ def test_edges_are_those_of_the_definition(wild):
 @given(wild_meshes())
 def test_half_edges_are_grouped_by_the_edge_they_lie_on(wild):
     _, F = wild
-    grouped = group_edges(F)
+    grouped = mesh.Edges.of_all(F, F.max() + 1)
     H = np.sort(mesh.half_edges(F), axis=1)
     assert np.array_equal(H[grouped.half_edges], grouped.ends[grouped.of_half_edge])
     assert sorted(grouped.half_edges) == np.flatnonzero(H[:, 0] != H[:, 1]).tolist()
@@ -153,7 +154,7 @@ def test_degenerate_faces_do_not_depend_on_the_unit(unit):
 def test_cotangents_of_a_right_triangle():
     V, F = RIGHT_TRIANGLE
     np.testing.assert_allclose(
-        mesh.geometry.measure(V, F).cotangents, [[0.0], [1.0], [1.0]], atol=1e-15
+        mesh.geometry.Triangles(V, F).cotangents, [[0.0], [1.0], [1.0]], atol=1e-15
     )
 
 
@@ -181,7 +182,7 @@ def test_the_boundary_flows_as_a_curve():
     V, F = grid(4)
     rim = mesh.boundary_vertices(F)
     A = operators.averaging(weights.combinatorial(F, len(V)))
-    curved = mesh.boundary_as_curve(A, F)
+    curved = operators.boundary_as_curve(A, F)
     np.testing.assert_allclose(curved.sum(axis=1), 1)
     inside = np.setdiff1d(np.arange(len(V)), rim)
     assert abs(curved[inside] - A[inside]).max() == 0
@@ -199,7 +200,7 @@ def test_a_regular_polygon_shrinks_by_the_cosine_of_half_its_step():
     t = 2 * np.pi * np.arange(n) / n
     V = np.vstack([np.column_stack([np.cos(t), np.sin(t), 0 * t]), np.zeros(3)])
     F = np.array([[k, (k + 1) % n, n] for k in range(n)])
-    A = mesh.boundary_as_curve(operators.averaging(weights.combinatorial(F, n + 1)), F)
+    A = operators.boundary_as_curve(operators.averaging(weights.combinatorial(F, n + 1)), F)
     X = average(V, A, 3)
     np.testing.assert_allclose(np.linalg.norm(X[:n], axis=1), np.cos(2 * np.pi / n) ** 3)
     np.testing.assert_allclose(X[n], 0, atol=1e-15)
@@ -220,7 +221,7 @@ def test_smoothing_the_boundary_alone_leaves_the_surface():
     from scipy.sparse import eye_array
 
     V, F = grid(4)
-    curve = mesh.boundary_as_curve(eye_array(len(V)), F)
+    curve = operators.boundary_as_curve(eye_array(len(V)), F)
     moved = np.flatnonzero(np.any(curve @ V != V, axis=1))
     assert moved.tolist() == [0, 4, 20, 24]  # the corners; all else is straight
 
@@ -228,7 +229,7 @@ def test_smoothing_the_boundary_alone_leaves_the_surface():
 @pytest.mark.parametrize("A", [np.eye(3), np.ones((3, 4)), np.ones(3)])
 def test_an_operator_of_the_wrong_size_is_refused(A):
     with pytest.raises(MeshError):
-        mesh.boundary_as_curve(A, grid(2)[1])
+        operators.boundary_as_curve(A, grid(2)[1])
 
 
 @pytest.mark.parametrize("make", [bow_tie, hourglass, lambda: fan(3)])

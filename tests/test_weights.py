@@ -88,7 +88,7 @@ def test_equal_to_libigl_on_real_meshes(mirror, name):
 @given(soups())
 def test_symmetric_on_the_edges_and_finite(soup):
     V, F = soup
-    E, _ = mesh.edges(F)
+    E = mesh.Edges(F).ends
     pattern = csr_array((np.ones(len(E)), E.T), shape=(len(V),) * 2)
     pattern = (pattern + pattern.T).toarray() > 0
     for name, build in BUILDERS.items():

@@ -2,8 +2,8 @@
 
 The modules, in the order in which the data flows:
 
-shapes, io -> mesh -> noise -> weights -> operators -> flow, filters -> metrics
--> risk, denoising -> experiments -> plotting, viewer
+shapes, io -> mesh -> noise, metrics -> weights -> operators -> flow -> filters
+-> sure, denoising -> experiments -> plotting, viewer
 
 with ``checks`` before them all and ``reference`` (libigl) beside them.
 """
@@ -15,9 +15,9 @@ from meshfair.checks import MeshError, MeshWarning, StabilityWarning
 __version__ = "0.1.0"
 
 _MODULES = (
-    "checks", "shapes", "io", "datasets", "mesh", "noise", "weights", "operators", "spectrum",
-    "solve", "flow", "filters", "metrics", "risk", "denoising", "experiments", "plotting",
-    "viewer", "explorers", "reference",
+    "checks", "shapes", "io", "datasets", "mesh", "noise", "metrics", "weights", "intrinsic",
+    "operators", "stability", "spectrum", "solve", "flow", "filters", "sure", "denoising",
+    "experiments", "plotting", "viewer", "explorers", "reference",
 )  # fmt: skip
 
 __all__ = ["MeshError", "MeshWarning", "StabilityWarning", "denoise", *_MODULES]

@@ -1,4 +1,4 @@
-"""The gate: every array that enters the package is checked here, in one place.
+"""Input validation: every argument of a public function is checked here, in one place.
 
 Conventions of the whole package:
 
@@ -7,10 +7,28 @@ Conventions of the whole package:
   into the rows of ``V``, counter-clockwise seen from outside.
 """
 
+from __future__ import annotations
+
+from collections.abc import Iterable
+from numbers import Integral
+from typing import TYPE_CHECKING, Any, TypeVar
+
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array, sparray
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Booleans = NDArray[np.bool_]
+Choice = TypeVar("Choice")
 
 # Products of four coordinates (areas squared) must stay finite in float64.
 LARGEST_COORDINATE = 1e75
+# A triangle is degenerate when its height over its longest edge is this small
+# a part of that edge: below it, rounding decides the normal and the cotangents.
+DEGENERATE = 1e-12
 
 
 class MeshError(ValueError):
@@ -25,7 +43,7 @@ class StabilityWarning(UserWarning):
     """A time step past the bound up to which the flow is stable."""
 
 
-def _array(values, name, kinds, wanted):
+def _array(values: ArrayLike, name: str, kinds: str, wanted: str) -> NDArray[Any]:
     """Turn ``values`` into an array whose dtype is of one of ``kinds``."""
     try:
         array = np.asarray(values)
@@ -38,8 +56,8 @@ def _array(values, name, kinds, wanted):
     return array
 
 
-def check_vertices(V, name="V"):
-    """Return vertex positions as float64 of shape (n, 3), or say why not.
+def check_vertices(V: ArrayLike, name: str = "V") -> Floats:
+    """Validate vertex positions.
 
     Parameters
     ----------
@@ -72,8 +90,8 @@ def check_vertices(V, name="V"):
     return V
 
 
-def check_faces(F, n, name="F"):
-    """Return triangles as int64 of shape (m, 3), or say why not.
+def check_faces(F: ArrayLike, n: int, name: str = "F") -> Integers:
+    """Validate triangles.
 
     Parameters
     ----------
@@ -108,8 +126,8 @@ def check_faces(F, n, name="F"):
     return checked
 
 
-def check_mesh(V, F):
-    """Return ``(V, F)`` as the package's arrays, or say what is wrong with them.
+def check_mesh(V: ArrayLike, F: ArrayLike) -> tuple[Floats, Integers]:
+    """Validate a mesh.
 
     Parameters
     ----------
@@ -133,8 +151,20 @@ def check_mesh(V, F):
     return V, check_faces(F, len(V))
 
 
-def check_same_vertices(V, other, names=("V", "the other mesh")):
-    """Return two vertex arrays of one shape, or say that they cannot be compared.
+def check_same_vertices(
+    V: ArrayLike, other: ArrayLike, names: tuple[str, str] = ("V", "the other mesh")
+) -> tuple[Floats, Floats]:
+    """Validate two meshes whose vertices are compared one by one.
+
+    Parameters
+    ----------
+    V, other : array_like, shape (n, 3)
+    names : pair of str
+        What messages call the two.
+
+    Returns
+    -------
+    V, other : ndarray of float64, shape (n, 3)
 
     Raises
     ------
@@ -150,8 +180,24 @@ def check_same_vertices(V, other, names=("V", "the other mesh")):
     return V, other
 
 
-def check_number(value, name, low, high=np.inf, *, open_low=False):
-    """Return a finite float between two bounds, or say why not.
+def check_number(
+    value: Any, name: str, low: float, high: float = np.inf, *, open_low: bool = False
+) -> float:
+    """Validate a finite number between two bounds.
+
+    Parameters
+    ----------
+    value : object
+    name : str
+        What the message calls it.
+    low, high : float
+        The bounds, themselves allowed.
+    open_low : bool
+        Whether the lower bound itself is refused.
+
+    Returns
+    -------
+    float
 
     Raises
     ------
@@ -171,8 +217,69 @@ def check_number(value, name, low, high=np.inf, *, open_low=False):
     return number
 
 
-def check_rng(rng):
-    """Return the generator of random numbers, or say that it is none.
+def check_count(value: Any, name: str, low: int = 0) -> int:
+    """Validate a whole number.
+
+    Parameters
+    ----------
+    value : object
+    name : str
+        What the message calls it.
+    low : int
+        The least that is allowed.
+
+    Returns
+    -------
+    int
+
+    Raises
+    ------
+    ValueError
+        Not a whole number, or below ``low``.
+    """
+    if not isinstance(value, Integral) or isinstance(value, bool) or value < low:
+        raise ValueError(f"{name} is {value!r}; give a whole number of at least {low}")
+    return int(value)
+
+
+def check_choice(value: Choice, name: str, choices: Iterable[Choice]) -> Choice:
+    """Validate one of several choices.
+
+    Parameters
+    ----------
+    value : object
+    name : str
+        What the message calls it.
+    choices : iterable
+        What is allowed.
+
+    Returns
+    -------
+    object
+        ``value``.
+
+    Raises
+    ------
+    ValueError
+        None of the choices; the message lists them.
+    """
+    choices = list(choices)
+    if not any(value is choice or value == choice for choice in choices):
+        listed = ", ".join(str(choice) for choice in choices)
+        raise ValueError(f"{name} is {value!r}; give one of {listed}")
+    return value
+
+
+def check_rng(rng: Any) -> np.random.Generator:
+    """Validate a generator of random numbers.
+
+    Parameters
+    ----------
+    rng : object
+
+    Returns
+    -------
+    numpy.random.Generator
 
     Raises
     ------
@@ -182,3 +289,113 @@ def check_rng(rng):
     if not isinstance(rng, np.random.Generator):
         raise TypeError(f"rng is {rng!r}; give a generator, such as numpy.random.default_rng(7)")
     return rng
+
+
+def check_fixed(fixed: ArrayLike | None, n: int) -> Booleans:
+    """Validate the constrained vertices, which keep their place.
+
+    Parameters
+    ----------
+    fixed : array_like or None
+        A boolean mask of shape (n,), or indices of vertices; None for no vertex.
+    n : int
+        Number of vertices.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+        A new array.
+
+    Raises
+    ------
+    MeshError
+        A mask of another length, or an index outside 0 .. n - 1.
+    """
+    mask = np.zeros(n, dtype=bool)
+    if fixed is None:
+        return mask
+    fixed = np.asarray(fixed)
+    if fixed.dtype == bool:
+        if fixed.shape != (n,):
+            raise MeshError(f"fixed has shape {fixed.shape}; a mask needs ({n},), one a vertex")
+        return fixed.copy()
+    if fixed.size == 0:
+        return mask
+    if fixed.dtype.kind not in "iu" or fixed.ndim != 1:
+        raise MeshError(f"fixed is of type {fixed.dtype}; give a boolean mask or vertex indices")
+    if fixed.min() < 0 or fixed.max() >= n:
+        bad = fixed[(fixed < 0) | (fixed >= n)][0]
+        raise MeshError(f"fixed has vertex index {bad}, but there are {n} vertices (0 to {n - 1})")
+    mask[fixed] = True
+    return mask
+
+
+def check_square(A: sparray | ArrayLike, name: str = "A") -> csr_array:
+    """Validate a square sparse matrix.
+
+    Parameters
+    ----------
+    A : sparse array, shape (n, n)
+    name : str
+        What the message calls it.
+
+    Returns
+    -------
+    csr_array of float64, shape (n, n)
+        The input itself where it is one already; never written to.
+
+    Raises
+    ------
+    MeshError
+        Not square, not finite, or an entry in a column that does not exist.
+    """
+    A = _square(A, name)
+    # A sum shows in one pass whether any entry is not finite; only a bad array is searched.
+    with np.errstate(over="ignore", invalid="ignore"):
+        suspicious = not np.isfinite(A.data.sum())
+    if suspicious and not np.isfinite(A.data).all():
+        raise MeshError(f"{name} holds NaN or infinite entries; build it from a checked mesh")
+    if A.nnz and A.indices.view(A.indices.dtype.str.replace("i", "u")).max() >= A.shape[1]:
+        raise MeshError(f"{name} has an entry in a column that it does not have; build it anew")
+    return A
+
+
+def check_operator(A: sparray | ArrayLike, n: int, *, entries: bool = True) -> csr_array:
+    """Validate an operator on the positions of n vertices.
+
+    Parameters
+    ----------
+    A : sparse array, shape (n, n)
+    n : int
+        Number of vertices.
+    entries : bool
+        Check the entries too. A step that looks at each of them anyway spares that.
+
+    Returns
+    -------
+    csr_array of float64, shape (n, n)
+        The input itself where it is one already; never written to.
+
+    Raises
+    ------
+    MeshError
+        Not of shape (n, n), not finite, or an entry in a column that does not exist.
+    """
+    if np.shape(A) != (n, n):
+        raise MeshError(
+            f"the operator has shape {np.shape(A)}, but V has {n} vertices; "
+            "build it from the same mesh"
+        )
+    return check_square(A, "A") if entries else _square(A, "A")
+
+
+def _square(A: sparray | ArrayLike, name: str) -> csr_array:
+    """A square matrix as csr_array of float64, its entries as they are."""
+    from scipy.sparse import csr_array  # a tenth of a second to load, which not everybody needs
+
+    shape = np.shape(A)
+    if len(shape) != 2 or shape[0] != shape[1]:
+        raise MeshError(f"{name} has shape {shape}; give a square sparse matrix")
+    if isinstance(A, csr_array) and A.dtype == np.float64:
+        return A
+    return csr_array(A, dtype=np.float64)

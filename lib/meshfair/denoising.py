@@ -8,11 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from meshfair import filters
-from meshfair.checks import check_mesh, check_same_vertices
-from meshfair.filters.features import fill_in
-from meshfair.metrics import normal_angle
-from meshfair.noise import snr
-from meshfair.risk import Risk
+from meshfair.checks import check_choice, check_mesh, check_same_vertices
+from meshfair.filters.feature_convinced import fill_in, noise_by_lengths
+from meshfair.metrics import normal_angle, snr
+from meshfair.sure import SURE, noise_by_differences
 
 
 class Denoised(NamedTuple):
@@ -25,10 +24,10 @@ class Denoised(NamedTuple):
     parameters: dict
     """All parameters that were used; with them `denoise` gives the same V again."""
     history: object
-    """Against the clean mesh, a pandas table of iteration, normal_angle (degrees) and snr
-    (decibels), from the noisy mesh at iteration 0 on; None without a clean mesh."""
-    risk: float
-    """With automatic parameters, the estimated risk (`meshfair.risk.Risk`), in squared units
+    """Against the ground truth, a pandas table of iteration, normal_angle (degrees) and snr
+    (decibels), from the noisy mesh at iteration 0 on; None without a ground truth."""
+    sure: float
+    """With automatic parameters, the estimated risk (`meshfair.sure.SURE`), in squared units
     of V; None if there is none. It compares methods on a mesh too: the smaller the better."""
     seconds: float
     """Time taken."""
@@ -69,10 +68,10 @@ def _grid(**values):
 _STRENGTHS = (0.0, 0.0625, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 
 _METHODS = {
-    "averaging": Method(filters.averaging, [{"steps": 30}], _at_most("steps")),
+    "averaging": Method(filters.averaging, [{"iterations": 30}], _at_most("iterations")),
     "heat": Method(filters.heat, [{"time": 20.0}], _heat_until),
     "implicit": Method(filters.implicit, _grid(step=_STRENGTHS)),
-    "regularised": Method(filters.regularised, _grid(order=(1, 2), strength=_STRENGTHS)),
+    "regularised": Method(filters.regularised, _grid(order=(1, 2), lam=_STRENGTHS)),
     "taubin": Method(filters.taubin, [{"iterations": 60}], _at_most("iterations")),
     "bilateral": Method(filters.bilateral, [{"iterations": 20}], _at_most("iterations")),
     "sun": Method(
@@ -88,11 +87,11 @@ _METHODS = {
     "guided-normal": Method(
         filters.guided_normal, _grid(sigma_normal=(0.35, 0.5)), _at_most("iterations")
     ),
-    "l0": Method(filters.l0, _grid(flatness=(0.05, 0.2))),
+    "l0": Method(filters.l0, _grid(lam=(0.05, 0.2))),
     "feature-convinced": Method(
         filters.feature_convinced,
         _grid(vertex_iterations=(1, 2), sigma_normal=(0.25, 0.35, 0.5)),
-        _at_most("rounds"),
+        _at_most("iterations"),
         fill_in,
     ),
 }
@@ -172,7 +171,7 @@ def denoise(
     parameters="default",
     sigma=None,
     rng=None,
-    clean=None,
+    ground_truth=None,
     callback=None,
     **chosen,
 ):
@@ -189,15 +188,15 @@ def denoise(
         Where parameters come from that are not given by name. "auto" runs the
         method with each of its candidates, twice, and takes the parameters, and
         the iteration to stop at, whose estimated risk is smallest (Stein's unbiased
-        estimate, see `meshfair.risk.Risk`); that may be the noisy mesh. A number of
+        estimate, see `meshfair.sure.SURE`); that may be the noisy mesh. A number of
         iterations that is given is then the most that are made.
     sigma : float, optional
         For "auto": the noise's standard deviation, as a fraction of the mean edge
-        length, if it is known; else `meshfair.noise.estimate` estimates it by differences.
+        length, if it is known; else `estimate_noise` estimates it by differences.
     rng : numpy.random.Generator, optional
         For "auto": draws the estimate's probe; if none is given, the same one each time.
-    clean : array_like, shape (n, 3), optional
-        The clean mesh's positions, for the history. Nothing else looks at them.
+    ground_truth : array_like, shape (n, 3), optional
+        The noise-free positions, for the history. Nothing else looks at them.
     callback : function, optional
         Called with the progress, a number up to 1, after each iteration.
         When it returns False (not None), the work ends there.
@@ -208,7 +207,7 @@ def denoise(
     Returns
     -------
     Denoised
-        V, method, parameters, history, risk, seconds, finished.
+        V, method, parameters, history, sure, seconds, finished.
 
     Raises
     ------
@@ -217,32 +216,64 @@ def denoise(
         are); a parameter outside its range.
     """
     V, F = check_mesh(V, F)
-    if clean is not None:
-        V, clean = check_same_vertices(V, clean, ("V", "clean"))
-    if parameters not in ("default", "auto"):
-        raise ValueError(f"parameters is {parameters!r}; give 'default' or 'auto'")
-    run = _Run(V, F, method, chosen, clean, callback)
+    if ground_truth is not None:
+        V, ground_truth = check_same_vertices(V, ground_truth, ("V", "ground_truth"))
+    check_choice(parameters, "parameters", ("default", "auto"))
+    run = _Run(V, F, method, chosen, ground_truth, callback)
     if parameters == "default":
         return run.ended(run.states(V, run.filled_in(run.known | run.chosen), run.report))
     # A generator of its own for each call: the same call gives the same mesh.
-    risk = Risk(V, F, np.random.default_rng(0) if rng is None else rng, sigma)
-    return run.ended(run.better_states((V, risk.V_probed), risk))
+    sure = SURE(V, F, np.random.default_rng(0) if rng is None else rng, sigma)
+    return run.ended(run.better_states((V, sure.V_perturbed), sure))
 
 
-def tune(V, F, method, clean, *, callback=None, **chosen):
-    """Denoise with the parameters that come closest to the clean mesh, which has to be known.
+def tune(V, F, method, ground_truth, *, callback=None, **chosen):
+    """Denoise with the parameters that come closest to the ground truth, which has to be known.
 
     Among the candidates of "auto", and the iterations to stop at, this takes
     those with the smallest mean normal angle: what a method can do at best,
     and a way to find parameters for meshes like this one.
 
-    Parameters, errors and result are those of `denoise`; ``clean`` decides.
+    Parameters, errors and result are those of `denoise`; ``ground_truth`` decides.
     """
     V, F = check_mesh(V, F)
-    V, clean = check_same_vertices(V, clean, ("V", "clean"))
-    run = _Run(V, F, method, chosen, clean, callback)
-    result = run.ended(run.better_states((V,), lambda X: normal_angle(X, clean, F)))
-    return result._replace(risk=None)
+    V, ground_truth = check_same_vertices(V, ground_truth, ("V", "ground_truth"))
+    run = _Run(V, F, method, chosen, ground_truth, callback)
+    result = run.ended(run.better_states((V,), lambda X: normal_angle(X, ground_truth, F)))
+    return result._replace(sure=None)
+
+
+def estimate_noise(V, F, by="lengths"):
+    """The size of the noise on a mesh, estimated without the ground truth.
+
+    By "lengths" of the edges, which noise makes longer, see
+    `meshfair.filters.feature_convinced`'s `noise_by_lengths`; by third "differences",
+    see `meshfair.sure.noise_by_differences`: closer on coarse meshes, and with strong noise.
+
+    Parameters
+    ----------
+    V : array_like, shape (n, 3)
+    F : array_like of integers, shape (m, 3)
+    by : {"lengths", "differences"}
+
+    Returns
+    -------
+    float
+        As a fraction of the mean edge length, as in `along_normals`; but of the
+        noisy mesh's, since the clean one's is unknown. From about 0.4 on
+        too small: normals are lost. On clean meshes with much detail
+        too large, since detail looks like noise.
+
+    Raises
+    ------
+    MeshError, ValueError
+        No mesh; another word for ``by``.
+    """
+    V, F = check_mesh(V, F)
+    return _ESTIMATES[check_choice(by, "by", _ESTIMATES)](V, F)
+
+
+_ESTIMATES = {"lengths": noise_by_lengths, "differences": noise_by_differences}
 
 
 class _CancelledError(Exception):
@@ -261,10 +292,10 @@ class _State(NamedTuple):
 class _Run:
     """A method on one mesh, with given or with several parameters."""
 
-    def __init__(self, V, F, method, chosen, clean, callback):
+    def __init__(self, V, F, method, chosen, ground_truth, callback):
         self.start = perf_counter()
         self.V, self.F, self.name, self.method = V, F, method, _find(method)
-        self.clean, self.callback = clean, callback
+        self.ground_truth, self.callback = ground_truth, callback
         self.known, self.chosen = defaults(method), chosen
         for name in chosen:
             if name not in self.known:
@@ -285,7 +316,7 @@ class _Run:
     def states(self, V, parameters, report):
         """Yield the state before the filter, and one for each new positions that it yields.
 
-        Without a function ``report`` they are not compared with the clean mesh.
+        Without a function ``report`` they are not compared with the ground truth.
         """
         history = self._measured(V) if report else ()
         yield _State(V.copy(), parameters, history)
@@ -340,16 +371,16 @@ class _Run:
                 last = state
         except _CancelledError:
             finished = False
-        history = None if self.clean is None else _table(last.history)
-        risk = None if last.score == np.inf else last.score  # cancelled before any was estimated
+        history = None if self.ground_truth is None else _table(last.history)
+        sure = None if last.score == np.inf else last.score  # cancelled before any was estimated
         seconds = perf_counter() - self.start
-        return Denoised(last.V, self.name, last.parameters, history, risk, seconds, finished)
+        return Denoised(last.V, self.name, last.parameters, history, sure, seconds, finished)
 
     def _measured(self, V):
-        """A row of the history, if there is a clean mesh."""
-        if self.clean is None:
+        """A row of the history, if there is a ground truth."""
+        if self.ground_truth is None:
             return ()
-        return ((normal_angle(V, self.clean, self.F), snr(self.clean, V)),)
+        return ((normal_angle(V, self.ground_truth, self.F), snr(self.ground_truth, V)),)
 
 
 def _find(method):

@@ -28,10 +28,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import coo_array
 
+from meshfair._fast.kernels import compiled
 from meshfair.checks import MeshError, MeshWarning, check_mesh, check_number
-from meshfair.kernels import compiled
-from meshfair.mesh import unique_faces
-from meshfair.mesh.topology import collapsed_faces, group_edges
+from meshfair.mesh import Edges, unique_faces
+from meshfair.mesh.topology import collapsed_faces
 
 # Angle sums are compared through their sine, which rounding moves by about 1e-15.
 ROUNDING = 1e-13
@@ -144,8 +144,8 @@ def _cover(F):
     m = len(F)
     front, back = F, F[:, [0, 2, 1]]
     tail = np.concatenate([front, back]).ravel()
-    edges = group_edges(F)
-    # group_edges numbers half-edges by the opposite corner c: from corner c + 1 to c + 2.
+    edges = Edges.of_all(F, int(F.max()) + 1)
+    # Edges number half-edges by the opposite corner c: from corner c + 1 to c + 2.
     c, f = np.divmod(edges.half_edges, m)
     along = 3 * f + (c + 1) % 3
     against = 3 * (f + m) + np.array([1, 0, 2])[c]  # the same side, seen from the back

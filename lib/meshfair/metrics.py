@@ -1,10 +1,9 @@
-"""How far a mesh is from the clean one: SNR, normals, surface, volume, area."""
+"""How far a mesh is from the ground truth: SNR, normals, surface, volume, area."""
 
 import numpy as np
 
 from meshfair.checks import MeshError, check_mesh, check_same_vertices, check_vertices
 from meshfair.mesh import area, face_normals, mean_edge_length, volume
-from meshfair.noise import snr
 
 __all__ = [
     "area_change",
@@ -18,7 +17,62 @@ __all__ = [
 ]
 
 
-def normal_angle(V, V_clean, F):
+def snr(V, V_noisy):
+    """Signal-to-noise ratio of a noisy mesh, in decibels (the original report, Def. 1).
+
+    SNR = -20 log10( sum_i |v_i - v~_i| / sum_i |v_i| ). The denominator
+    depends on where the origin lies: moving both meshes together changes the
+    ratio.
+
+    Parameters
+    ----------
+    V : array_like, shape (n, 3)
+        The ground truth.
+    V_noisy : array_like, shape (n, 3)
+        The noisy or the denoised one, vertices in the same order.
+
+    Returns
+    -------
+    float
+        Decibels; infinite where both meshes are equal.
+
+    Raises
+    ------
+    MeshError
+        No vertices, different numbers of them, or a ground truth that has all
+        its vertices at the origin.
+    """
+    V, V_noisy = check_same_vertices(V, V_noisy, ("V", "V_noisy"))
+    return snr_of_distances(V, np.linalg.norm(V - V_noisy, axis=1).sum())
+
+
+def snr_of_distances(V, distances):
+    """SNR = -20 log10(distances / sum_i |v_i|), where the distances' sum is known already.
+
+    Parameters
+    ----------
+    V : ndarray of float64, shape (n, 3)
+        The ground truth.
+    distances : float
+        sum_i |v_i - v~_i|, in the units of ``V``.
+
+    Returns
+    -------
+    float
+        Decibels; infinite where the distances are 0.
+
+    Raises
+    ------
+    MeshError
+        All vertices of V are at the origin.
+    """
+    signal = np.linalg.norm(V, axis=1).sum()
+    if signal == 0:
+        raise MeshError("V has all its vertices at the origin, so it has no SNR; move it")
+    return float(-20 * np.log10(distances / signal)) if distances else np.inf
+
+
+def normal_angle(V, V_true, F):
     """Mean angle between the face normals of two meshes, in degrees.
 
     The average angular deviation of the mesh-denoising literature: the mean
@@ -28,7 +82,7 @@ def normal_angle(V, V_clean, F):
     ----------
     V : array_like, shape (n, 3)
         The noisy or denoised mesh.
-    V_clean : array_like, shape (n, 3)
+    V_true : array_like, shape (n, 3)
     F : array_like of integers, shape (m, 3)
         The faces that both meshes have.
 
@@ -36,69 +90,69 @@ def normal_angle(V, V_clean, F):
     -------
     float
         Degrees, 0 to 180. A face without area has no normal: in ``V`` it counts as
-        90 degrees, in ``V_clean`` there is nothing to compare with and it is left out.
+        90 degrees, in ``V_true`` there is nothing to compare with and it is left out.
 
     Raises
     ------
     MeshError
-        Arrays that do not fit together, or a clean mesh without any area.
+        Arrays that do not fit together, or a ground truth without any area.
     """
-    return float(normal_angles(V, V_clean, F).mean())
+    return float(normal_angles(V, V_true, F).mean())
 
 
-def normal_angles(V, V_clean, F):
+def normal_angles(V, V_true, F):
     """The angles that `normal_angle` is the mean of, in degrees: one for each face.
 
     Returns
     -------
-    ndarray of float64, shape (m,), or fewer where the clean mesh has faces
+    ndarray of float64, shape (m,), or fewer where the ground truth has faces
     without area.
     """
-    V, V_clean = check_same_vertices(V, V_clean, ("V", "V_clean"))
-    n, n_clean = face_normals(V, F), face_normals(V_clean, F)
-    known = n_clean.any(axis=1)
+    V, V_true = check_same_vertices(V, V_true, ("V", "V_true"))
+    n, n_true = face_normals(V, F), face_normals(V_true, F)
+    known = n_true.any(axis=1)
     if not known.any():
-        raise MeshError("V_clean has no face with an area, so no normal to compare with")
-    n, n_clean = n[known], n_clean[known]
+        raise MeshError("V_true has no face with an area, so no normal to compare with")
+    n, n_true = n[known], n_true[known]
     # atan2 keeps its accuracy at small angles, where acos loses half the digits.
-    sine = np.linalg.norm(np.cross(n, n_clean), axis=1)
-    cosine = np.einsum("ij,ij->i", n, n_clean)
+    sine = np.linalg.norm(np.cross(n, n_true), axis=1)
+    cosine = np.einsum("ij,ij->i", n, n_true)
     angles = np.degrees(np.arctan2(sine, cosine))
     return np.where(n.any(axis=1), angles, 90.0)
 
 
-def surface_distance(V, V_clean, F_clean):
-    """Mean distance from the vertices to the clean surface, over its mean edge length.
+def surface_distance(V, V_true, F_true):
+    """Mean distance from the vertices to the true surface, over its mean edge length.
 
     Does not punish a vertex that slides along the surface, as the SNR does.
 
     Parameters
     ----------
     V : array_like, shape (n, 3)
-    V_clean : array_like, shape (n_clean, 3)
+    V_true : array_like, shape (n_true, 3)
         Need not have the vertices of ``V``.
-    F_clean : array_like of integers, shape (m, 3)
+    F_true : array_like of integers, shape (m, 3)
 
     Returns
     -------
     float
-        In mean edge lengths of the clean mesh. The distances are libigl's.
+        In mean edge lengths of the ground truth. The distances are libigl's.
 
     Raises
     ------
     MeshError
-        No vertices, or no clean mesh.
+        No vertices, or no ground truth.
     """
     import igl  # half a second to load, for two functions alone
 
     V = check_vertices(V)
-    V_clean, F_clean = check_mesh(V_clean, F_clean)
-    squared = igl.point_mesh_squared_distance(V, V_clean, F_clean)[0]
-    return float(np.sqrt(np.maximum(squared, 0)).mean() / _unit(V_clean, F_clean))
+    V_true, F_true = check_mesh(V_true, F_true)
+    squared = igl.point_mesh_squared_distance(V, V_true, F_true)[0]
+    return float(np.sqrt(np.maximum(squared, 0)).mean() / _unit(V_true, F_true))
 
 
-def hausdorff(V, F, V_clean, F_clean):
-    """Hausdorff distance between two surfaces, over the clean one's mean edge length.
+def hausdorff(V, F, V_true, F_true):
+    """Hausdorff distance between two surfaces, over the ground truth's mean edge length.
 
     The largest distance from a vertex of either mesh to the surface of the
     other. Vertices without faces are no part of a surface and are left out.
@@ -107,13 +161,13 @@ def hausdorff(V, F, V_clean, F_clean):
     ----------
     V : array_like, shape (n, 3)
     F : array_like of integers, shape (m, 3)
-    V_clean : array_like, shape (n_clean, 3)
-    F_clean : array_like of integers, shape (m_clean, 3)
+    V_true : array_like, shape (n_true, 3)
+    F_true : array_like of integers, shape (m_true, 3)
 
     Returns
     -------
     float
-        In mean edge lengths of the clean mesh. The distance is libigl's.
+        In mean edge lengths of the ground truth. The distance is libigl's.
 
     Raises
     ------
@@ -123,15 +177,15 @@ def hausdorff(V, F, V_clean, F_clean):
     import igl  # half a second to load, for two functions alone
 
     V, F = check_mesh(V, F)
-    V_clean, F_clean = check_mesh(V_clean, F_clean)
-    distance = igl.hausdorff(*_referenced(V, F), *_referenced(V_clean, F_clean))
-    return distance / _unit(V_clean, F_clean)
+    V_true, F_true = check_mesh(V_true, F_true)
+    distance = igl.hausdorff(*_referenced(V, F), *_referenced(V_true, F_true))
+    return distance / _unit(V_true, F_true)
 
 
-def _unit(V_clean, F_clean):
-    length = mean_edge_length(V_clean, F_clean)
+def _unit(V_true, F_true):
+    length = mean_edge_length(V_true, F_true)
     if length == 0:
-        raise MeshError("V_clean has all its vertices in one place, so no edge length as a unit")
+        raise MeshError("V_true has all its vertices in one place, so no edge length as a unit")
     return length
 
 
@@ -141,31 +195,31 @@ def _referenced(V, F):
     return V[used], corners.reshape(F.shape)
 
 
-def volume_change(V, V_clean, F):
+def volume_change(V, V_true, F):
     """Relative change of the enclosed volume: -0.02 where two percent are lost.
 
     Parameters
     ----------
     V : array_like, shape (n, 3)
-    V_clean : array_like, shape (n, 3)
+    V_true : array_like, shape (n, 3)
     F : array_like of integers, shape (m, 3)
 
     Returns
     -------
     float
-        (volume - clean volume) / |clean volume|; see `meshfair.mesh.volume`
+        (volume - true volume) / |true volume|; see `meshfair.mesh.volume`
         for what an open mesh's volume is.
 
     Raises
     ------
     MeshError
-        Arrays that do not fit together, or a clean mesh of volume 0.
+        Arrays that do not fit together, or a ground truth of volume 0.
     """
-    V, V_clean = check_same_vertices(V, V_clean, ("V", "V_clean"))
-    return _change(volume(V, F), volume(V_clean, F), "V_clean encloses no volume")
+    V, V_true = check_same_vertices(V, V_true, ("V", "V_true"))
+    return _change(volume(V, F), volume(V_true, F), "V_true encloses no volume")
 
 
-def area_change(V, V_clean, F):
+def area_change(V, V_true, F):
     """Relative change of the surface's area: 0.3 where noise has added thirty percent.
 
     Parameters and errors are those of `volume_change`.
@@ -173,19 +227,19 @@ def area_change(V, V_clean, F):
     Returns
     -------
     float
-        (area - clean area) / clean area.
+        (area - true area) / true area.
     """
-    V, V_clean = check_same_vertices(V, V_clean, ("V", "V_clean"))
-    return _change(area(V, F), area(V_clean, F), "V_clean has no area")
+    V, V_true = check_same_vertices(V, V_true, ("V", "V_true"))
+    return _change(area(V, F), area(V_true, F), "V_true has no area")
 
 
-def _change(value, clean, nothing):
-    if clean == 0:
+def _change(value, true, nothing):
+    if true == 0:
         raise MeshError(f"{nothing}, so there is nothing to compare with")
-    return (value - clean) / abs(clean)
+    return (value - true) / abs(true)
 
 
-def compare(V, F, V_clean, F_clean):
+def compare(V, F, V_true, F_true):
     """Every metric that fits the two meshes.
 
     Parameters
@@ -193,18 +247,18 @@ def compare(V, F, V_clean, F_clean):
     V : array_like, shape (n, 3)
         The noisy or denoised mesh.
     F : array_like of integers, shape (m, 3)
-    V_clean : array_like, shape (n_clean, 3)
-    F_clean : array_like of integers, shape (m_clean, 3)
+    V_true : array_like, shape (n_true, 3)
+    F_true : array_like of integers, shape (m_true, 3)
 
     Returns
     -------
     dict of str to float or None
         snr in decibels, normal_angle in degrees, surface_distance and
-        hausdorff in mean edge lengths of the clean mesh, volume_change and
-        area_change as parts of the clean value. SNR and normal angle compare
+        hausdorff in mean edge lengths of the ground truth, volume_change and
+        area_change as parts of the true value. SNR and normal angle compare
         vertex by vertex and face by face: they are None unless both meshes
         have the same faces and number of vertices. None also stands where the
-        clean mesh has nothing to compare with (no extent, volume or area).
+        ground truth has nothing to compare with (no extent, volume or area).
 
     Raises
     ------
@@ -212,15 +266,15 @@ def compare(V, F, V_clean, F_clean):
         One of the two is no mesh.
     """
     V, F = check_mesh(V, F)
-    V_clean, F_clean = check_mesh(V_clean, F_clean)
-    same = len(V) == len(V_clean) and np.array_equal(F, F_clean)
+    V_true, F_true = check_mesh(V_true, F_true)
+    same = len(V) == len(V_true) and np.array_equal(F, F_true)
     metrics = {
-        "snr": lambda: snr(V_clean, V) if same else None,
-        "normal_angle": lambda: normal_angle(V, V_clean, F) if same else None,
-        "surface_distance": lambda: surface_distance(V, V_clean, F_clean),
-        "hausdorff": lambda: hausdorff(V, F, V_clean, F_clean),
-        "volume_change": lambda: _change(volume(V, F), volume(V_clean, F_clean), "no volume"),
-        "area_change": lambda: _change(area(V, F), area(V_clean, F_clean), "no area"),
+        "snr": lambda: snr(V_true, V) if same else None,
+        "normal_angle": lambda: normal_angle(V, V_true, F) if same else None,
+        "surface_distance": lambda: surface_distance(V, V_true, F_true),
+        "hausdorff": lambda: hausdorff(V, F, V_true, F_true),
+        "volume_change": lambda: _change(volume(V, F), volume(V_true, F_true), "no volume"),
+        "area_change": lambda: _change(area(V, F), area(V_true, F_true), "no area"),
     }
     return {name: _or_none(metric) for name, metric in metrics.items()}
 
@@ -228,5 +282,5 @@ def compare(V, F, V_clean, F_clean):
 def _or_none(metric):
     try:
         return metric()
-    except MeshError:  # the clean mesh has nothing to compare with
+    except MeshError:  # the ground truth has nothing to compare with
         return None

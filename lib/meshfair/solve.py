@@ -1,14 +1,25 @@
-"""Sparse symmetric positive definite systems, such as the implicit step of a flow."""
+"""Sparse symmetric positive definite systems, such as the implicit step of a flow.
+
+References
+----------
+.. [MD99] M. Desbrun, M. Meyer, P. Schroeder, A. Barr, "Implicit fairing of irregular
+   meshes using diffusion and curvature flow", SIGGRAPH 1999.
+"""
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.linalg import splu
+from numpy.typing import ArrayLike
+from scipy.sparse import csr_array, diags_array, sparray
+from scipy.sparse.linalg import cg, splu
 
-from meshfair import ordering
-from meshfair.checks import MeshError, check_number, check_vertices
-from meshfair.kernels import compiled, on_all_cores, unsigned
-from meshfair.multigrid import Multigrid
-from meshfair.operators import pinned
+from meshfair import _fast
+from meshfair.checks import (
+    Floats,
+    MeshError,
+    check_choice,
+    check_fixed,
+    check_number,
+    check_vertices,
+)
 
 METHODS = ("auto", "direct", "iterative")
 # On surface meshes a factorisation is quicker up to here, and where A is hardly
@@ -17,15 +28,21 @@ DIRECT = 5_000
 DIRECT_WHEN_STIFF = 25_000
 # (M + t L has row sums M: so small a part of the diagonal is left at t = 30 squared edges.)
 STIFF = 0.01
-# Multigrid needs 10 to 50 iterations on meshes; so many more mean that something is wrong.
-ITERATIONS = 500
 
 
 class SolveError(ArithmeticError):
     """A system that could not be solved; the message says how far it came, and why."""
 
 
-def spd(A, B, *, guess=None, fixed=None, method="auto", tolerance=1e-8):
+def spd(
+    A: sparray,
+    B: ArrayLike,
+    *,
+    guess: ArrayLike | None = None,
+    fixed: ArrayLike | None = None,
+    method: str = "auto",
+    tolerance: float = 1e-8,
+) -> Floats:
     """Solve A X = B for a sparse symmetric positive definite A.
 
     Parameters
@@ -37,7 +54,7 @@ def spd(A, B, *, guess=None, fixed=None, method="auto", tolerance=1e-8):
     guess : array_like, shape of ``B``, optional
         Where the iteration starts; zero without it.
     fixed : array_like, optional
-        Unknowns that are held, as a boolean mask (n,) or as indices: their
+        Constrained unknowns, as a boolean mask (n,) or as indices: their
         rows of X are those of ``guess``, and their equations are left out.
     method : {"auto", "direct", "iterative"}
         SuperLU's factorisation, or conjugate gradients with a multigrid cycle
@@ -67,14 +84,13 @@ def spd(A, B, *, guess=None, fixed=None, method="auto", tolerance=1e-8):
     for Y, name in ((A.data, "A"), (B, "B"), (X, "guess")):
         if not np.isfinite(Y).all():
             raise MeshError(f"{name} holds NaN or infinite numbers; build it from a checked mesh")
-    if method not in METHODS:
-        raise ValueError(f"method is {method!r}; give one of {', '.join(METHODS)}")
+    check_choice(method, "method", METHODS)
     tolerance = check_number(tolerance, "tolerance", 1e-13, 1)
     if fixed is None:
         return _solve(A, B.reshape(n, -1), X.reshape(n, -1), method, tolerance).reshape(B.shape)
     if guess is None:
-        raise ValueError("fixed needs guess, whose rows are the values that are held")
-    free = ~pinned(fixed, n)
+        raise ValueError("fixed needs guess, whose rows are the values that they keep")
+    free = ~check_fixed(fixed, n)
     if free.any():
         A = A[free]
         X[free] = spd(
@@ -87,8 +103,17 @@ def spd(A, B, *, guess=None, fixed=None, method="auto", tolerance=1e-8):
     return X
 
 
-def implicit_step(V, L, M, t, *, fixed=None, method="auto", tolerance=1e-8):
-    """One backward Euler step of the diffusion dV/dt = -M^-1 L V [MD99].
+def implicit_step(
+    V: ArrayLike,
+    L: sparray,
+    M: sparray,
+    t: float,
+    *,
+    fixed: ArrayLike | None = None,
+    method: str = "auto",
+    tolerance: float = 1e-8,
+) -> Floats:
+    """One backward Euler step of the diffusion dV/dt = -M^-1 L V [MD99]_.
 
     Solves (M + t L) V+ = M V for the three coordinates at once. It is stable
     for every t.
@@ -124,7 +149,7 @@ def implicit_step(V, L, M, t, *, fixed=None, method="auto", tolerance=1e-8):
         if np.shape(A) != (n, n):
             raise MeshError(f"{name} has shape {np.shape(A)}, but V has {n} vertices")
     m = csr_array(M).diagonal()
-    held = (m == 0) if fixed is None else (m == 0) | pinned(fixed, n)
+    fixed = (m == 0) | check_fixed(fixed, n)
     centre = V.mean(axis=0)
     X = V - centre
     try:
@@ -132,18 +157,18 @@ def implicit_step(V, L, M, t, *, fixed=None, method="auto", tolerance=1e-8):
             M + t * L,
             m[:, None] * X,
             guess=X,
-            fixed=held if held.any() else None,
+            fixed=fixed if fixed.any() else None,
             method=method,
             tolerance=tolerance,
         )
     except SolveError as error:
         raise SolveError(f"implicit step of t = {t:g}: {error}") from None
     X += centre
-    X[held] = V[held]  # to the last digit
+    X[fixed] = V[fixed]  # to the last digit
     return X
 
 
-def _solve(A, B, X, method, tolerance):
+def _solve(A: csr_array, B: Floats, X: Floats, method: str, tolerance: float) -> Floats:
     """Solve by the method, and check the residual."""
     if method == "auto":
         stiff = A.sum() < STIFF * A.trace()
@@ -152,7 +177,7 @@ def _solve(A, B, X, method, tolerance):
     try:
         X, how = _direct(A, B) if method == "direct" else _iterative(A, B, X, tolerance)
     except RuntimeError as error:  # SuperLU's word for a pivot of zero
-        raise SolveError(f"A is singular ({error}); is every part of the mesh held?") from None
+        raise SolveError(f"A is singular ({error}); is every part of the mesh fixed?") from None
     size = _lengths(B)
     residual = _lengths(A @ X - B)
     if not np.all(residual <= tolerance * size):  # so that NaN is caught
@@ -164,112 +189,26 @@ def _solve(A, B, X, method, tolerance):
     return X
 
 
-def _direct(A, B):
+def _direct(A: csr_array, B: Floats) -> tuple[Floats, str]:
     factors = splu(
         A.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0, options={"SymmetricMode": True}
     )
     return factors.solve(B), "the factorisation"
 
 
-def _iterative(A, B, X, tolerance):
-    order, A = ordering.nearby(A)
-    B, X = ordering.take(B, order), ordering.take(X, order)
-    multigrid = Multigrid(A)
-    steps = 0
-    for k in range(0, B.shape[1], 3):  # three columns at a time
-        columns = slice(k, min(k + 3, B.shape[1]))
-        count = columns.stop - k
-        B3, X3 = np.zeros((2, len(B), 3))
-        B3[:, :count], X3[:, :count] = B[:, columns], X[:, columns]
-        # Half of it: rounding lets the true residual drift from the iteration's.
-        steps += _conjugate_gradients(A, multigrid, B3, X3, tolerance / 2)
-        X[:, columns] = X3[:, :count]
-    X = ordering.put_back(X, order)
-    return X, f"the iteration stopped after {steps} steps and"
+def _iterative(A: csr_array, B: Floats, X: Floats, tolerance: float) -> tuple[Floats, str]:
+    """Conjugate gradients: with a multigrid cycle on large meshes, else with the diagonal."""
+    if _fast.wanted(len(B)):
+        X, steps = _fast.cg.solve(A, B, X, tolerance)
+        return X, f"the iteration stopped after {steps} steps and"
+    inverse = diags_array(1 / A.diagonal())
+    columns = [
+        cg(A, b, x, rtol=tolerance / 2, maxiter=10 * len(B), M=inverse)[0]
+        for b, x in zip(B.T, X.T, strict=True)
+    ]
+    return np.column_stack(columns), "the iteration"
 
 
-def _conjugate_gradients(A, multigrid, B, X, tolerance):
-    """Improve three columns X in place; return the number of steps.
-
-    Preconditioned conjugate gradients, each column with step lengths of its own.
-    """
-    size = _lengths(B)
-    X[:, size == 0] = 0
-    P, AP = np.zeros((2, *X.shape))
-    A_rows = (*unsigned(A.indptr, A.indices), A.data)
-    on_all_cores(_multiply, len(X), *A_rows, X, AP)
-    R = B - AP
-    largest = np.abs(R).max()
-    if np.all(_lengths(R) <= tolerance * size):
-        return 0
-    R_single = (R / largest).astype(np.float32)  # so that it stays in range
-    zr = np.ones(3)
-    for step in range(1, ITERATIONS + 1):
-        zr_before = zr
-        Z, zr = multigrid.cycle(R_single)
-        zr *= largest
-        on_all_cores(_turn, len(P), Z, _ratio(zr, zr_before), P)
-        pap = _sums(on_all_cores(_multiply, len(P), *A_rows, P, AP))
-        if not np.all(pap >= 0):  # A is not positive definite, or all is NaN
-            return step
-        rr = _sums(
-            on_all_cores(_advance, len(P), _ratio(zr, pap), P, AP, 1 / largest, X, R, R_single)
-        )
-        if np.all(np.sqrt(rr) <= tolerance * size):
-            return step
-    return ITERATIONS
-
-
-def _lengths(X):
+def _lengths(X: Floats) -> Floats:
     """Euclidean lengths of the columns, without the copies that np.linalg.norm makes."""
     return np.sqrt(np.einsum("ij,ij->j", X, X))
-
-
-def _sums(of_blocks):
-    return np.sum(of_blocks, axis=0)
-
-
-def _ratio(a, b):
-    """a / b, and 0 for columns that have nothing left to do."""
-    return np.divide(a, b, out=np.zeros_like(a), where=b > 0)
-
-
-@compiled
-def _turn(first, last, Z, beta, P):
-    """The next direction, conjugate to those before: p = z + beta p."""
-    for i in range(first, last):
-        for c in range(3):
-            P[i, c] = Z[i, c] + beta[c] * P[i, c]
-
-
-@compiled(fused=True)
-def _multiply(first, last, indptr, indices, A, P, AP):
-    """A p, and the sums p . A p."""
-    pap_x = pap_y = pap_z = 0.0
-    for i in range(first, last):
-        x = y = z = 0.0
-        for p in range(indptr[i], indptr[i + 1]):
-            a, j = A[p], indices[p]
-            x += a * P[j, 0]
-            y += a * P[j, 1]
-            z += a * P[j, 2]
-        AP[i, 0], AP[i, 1], AP[i, 2] = x, y, z
-        pap_x += x * P[i, 0]
-        pap_y += y * P[i, 1]
-        pap_z += z * P[i, 2]
-    return pap_x, pap_y, pap_z
-
-
-@compiled
-def _advance(first, last, alpha, P, AP, scale, X, R, R_single):
-    """x + alpha p and r - alpha A p, and the sums r . r."""
-    rr_x = rr_y = rr_z = 0.0
-    for i in range(first, last):
-        for c in range(3):
-            X[i, c] += alpha[c] * P[i, c]
-            R[i, c] -= alpha[c] * AP[i, c]
-            R_single[i, c] = scale * R[i, c]
-        rr_x += R[i, 0] * R[i, 0]
-        rr_y += R[i, 1] * R[i, 1]
-        rr_z += R[i, 2] * R[i, 2]
-    return rr_x, rr_y, rr_z

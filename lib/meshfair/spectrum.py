@@ -45,7 +45,7 @@ def eigenvalues(W):
     ndarray of float64, shape (n,)
         From 1, the constants, downwards: to -1 at the least with weights that
         are not negative, and above -2 with cotangent weights (see
-        `meshfair.operators.stable_step`).
+        `meshfair.stability.stable_step`).
 
     Raises
     ------
@@ -56,7 +56,7 @@ def eigenvalues(W):
     return 1 - eigvalsh(*_dense(W))
 
 
-def modes(W):
+def eigenmodes(W):
     """Eigenvalues of W~ with their eigenvectors, the mesh's waves.
 
     Parameters
@@ -79,7 +79,7 @@ def modes(W):
     return 1 - mu, Phi
 
 
-def amplitudes(V, W, Phi):
+def coefficients(V, W, Phi):
     """How much of each wave is in a mesh: the norm of its three coefficients.
 
     Parameters
@@ -88,7 +88,7 @@ def amplitudes(V, W, Phi):
         Positions; or a displacement, such as V_noisy - V.
     W : sparse array, shape (n, n)
     Phi : ndarray, shape (n, n)
-        From `modes` of the same weights.
+        From `eigenmodes` of the same weights.
 
     Returns
     -------
@@ -98,7 +98,7 @@ def amplitudes(V, W, Phi):
     return np.linalg.norm(Phi.T @ (degrees(W)[:, None] * check_vertices(V)), axis=1)
 
 
-def response(eigenvalues, tau, steps=1):
+def transfer_function(eigenvalues, tau, iterations=1):
     """The factor by which heat steps multiply each wave: (1 - tau + tau lambda)^s.
 
     Parameters
@@ -107,7 +107,7 @@ def response(eigenvalues, tau, steps=1):
         Eigenvalues lambda of W~.
     tau : float
         Time step.
-    steps : int
+    iterations : int
         Number s of steps.
 
     Returns
@@ -121,4 +121,4 @@ def response(eigenvalues, tau, steps=1):
         tau not finite.
     """
     tau = check_number(tau, "tau", -np.inf)
-    return (1 - tau + tau * np.asarray(eigenvalues, dtype=float)) ** steps
+    return (1 - tau + tau * np.asarray(eigenvalues, dtype=float)) ** iterations

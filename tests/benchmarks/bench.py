@@ -48,7 +48,7 @@ import numpy as np
 import scaling
 from contenders import CONTENDERS, STEPS, known
 
-from meshfair import ordering
+from meshfair._fast import ordering
 
 RESULTS = Path(__file__).resolve().parents[2] / "report" / "results"
 IN_ORDER = " in order"

@@ -4,7 +4,7 @@
 import numpy as np
 
 
-def gain(V, V_noisy, V_clean, part):
-    before = np.linalg.norm(V_noisy - V_clean, axis=1)[part].sum()
-    after = np.linalg.norm(V - V_clean, axis=1)[part].sum()
+def gain(V, V_noisy, V_true, part):
+    before = np.linalg.norm(V_noisy - V_true, axis=1)[part].sum()
+    after = np.linalg.norm(V - V_true, axis=1)[part].sum()
     return -20 * np.log10(before / after)

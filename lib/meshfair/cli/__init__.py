@@ -14,7 +14,7 @@ from importlib import import_module
 
 from meshfair import __version__
 
-COMMANDS = ("info", "clean", "noise", "denoise", "compare", "grade", "doctor")
+COMMANDS = ("info", "repair", "noise", "denoise", "compare", "grade", "doctor")
 TRACEBACK_VARIABLE = "MESHFAIR_TRACEBACK"
 
 EXIT_CODES = """\

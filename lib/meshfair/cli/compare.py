@@ -35,8 +35,8 @@ def run(options):
     from meshfair import metrics
 
     V, F = files.read(options.a, options)
-    V_clean, F_clean = files.read(options.b, options)
-    found = metrics.compare(V, F, V_clean, F_clean)
+    V_true, F_true = files.read(options.b, options)
+    found = metrics.compare(V, F, V_true, F_true)
     if options.json:
         printing.print_json(found)
     else:

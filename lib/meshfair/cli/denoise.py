@@ -32,10 +32,10 @@ def add_arguments(parser):
         "--auto", action="store_true", help="choose what is not given from the mesh itself"
     )
     parser.add_argument(
-        "--hold-boundary", action="store_true", help="keep the boundary's vertices in place"
+        "--fix-boundary", action="store_true", help="keep the boundary's vertices in place"
     )
     parser.add_argument(
-        "--clean",
+        "--ground-truth",
         metavar="MESH",
         type=files.Path,
         help="the clean mesh, to say how much closer the result is",
@@ -80,17 +80,17 @@ def run(options):
     from meshfair.mesh import boundary_vertices
 
     source = vars(options)["in"]
-    inputs = [source, options.clean] if options.clean else [source]
+    inputs = [source, options.ground_truth] if options.ground_truth else [source]
     files.check_output(options.out, inputs, options.force)
     V, F = files.read(source, options)
     chosen = dict(options.set)
     for name in ("method", "weights", "time"):
         if getattr(options, name) is not None:
             chosen[name] = getattr(options, name)
-    if options.hold_boundary:
+    if options.fix_boundary:
         chosen["fixed"] = boundary_vertices(F)
-    if options.clean:
-        chosen["clean"] = files.read(options.clean, options)[0]
+    if options.ground_truth:
+        chosen["ground_truth"] = files.read(options.ground_truth, options)[0]
     with printing.progress() as advance:
         result = denoise(
             V, F, parameters="auto" if options.auto else "default", callback=advance, **chosen

@@ -116,7 +116,7 @@ def _versions(name, found, least, extra):
 
 
 def _cores(name):
-    from meshfair.kernels import threads
+    from meshfair._fast.kernels import threads
 
     there, used = os.cpu_count(), threads()
     advice = "" if used > 1 else "kernels and sweeps run on one core; check NUMBA_NUM_THREADS"

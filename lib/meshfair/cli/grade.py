@@ -39,10 +39,10 @@ def run(options):
 
     from tqdm import tqdm
 
-    from meshfair.grading.generate import ASSIGNMENTS
-    from meshfair.grading.isolation import Isolation, Limits
-    from meshfair.grading.marking import grade
-    from meshfair.grading.source import Source
+    from meshfair_grading.generate import ASSIGNMENTS
+    from meshfair_grading.isolation import Isolation, Limits
+    from meshfair_grading.marking import grade
+    from meshfair_grading.source import Source
 
     path = Path(options.assignment)
     if path.suffix != ".py":

@@ -39,7 +39,7 @@ def run(options):
     """
     import numpy as np
 
-    from meshfair import noise
+    from meshfair import metrics, noise
 
     source = vars(options)["in"]
     files.check_output(options.out, [source], options.force)
@@ -63,7 +63,7 @@ def run(options):
         "out": options.out,
         "model": options.model,
         "seed": options.seed,
-        "snr": noise.snr(V, V_noisy),
+        "snr": metrics.snr(V, V_noisy),
     }
     if options.json:
         printing.print_json(facts)

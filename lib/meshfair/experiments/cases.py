@@ -19,17 +19,7 @@ MESHES = {
     "jet without missiles": partial(shapes.jet, missiles=False),
 }
 
-WEIGHTS = {
-    "combinatorial": lambda V, F: weights.combinatorial(F, len(V)),
-    "distance": weights.distance,
-    "cotangent": weights.cotangent,
-}
-
-NOISE = {
-    "normals": noise.along_normals,
-    "gaussian": noise.gaussian,
-    "uniform": lambda V, F, size, rng: noise.uniform(V, size, rng),
-}
+WEIGHTS, NOISE = weights.BY_NAME, noise.MODELS
 
 
 class NotDownloadedError(LookupError):

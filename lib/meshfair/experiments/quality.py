@@ -8,7 +8,7 @@ import numpy as np
 from meshfair import denoising, flow
 from meshfair.checks import MeshError
 from meshfair.experiments.cases import WEIGHTS, add_noise, load_mesh, operator
-from meshfair.experiments.seed import TAU, TIME, missile_vertices
+from meshfair.experiments.original import TAU, TIME, missile_vertices
 from meshfair.experiments.sweep import sweep
 from meshfair.mesh import mean_edge_length
 from meshfair.metrics import compare
@@ -48,7 +48,7 @@ def noisy_and_clean(mesh, size, seed):
 
     Returns
     -------
-    V_noisy, V_clean : ndarray of float64, shape (n, 3)
+    V_noisy, V_true : ndarray of float64, shape (n, 3)
     F : ndarray of int64, shape (m, 3)
 
     Raises
@@ -79,7 +79,7 @@ def denoised(mesh, method, parameters, size, seed):
     Returns
     -------
     result : meshfair.denoising.Denoised
-    V_clean : ndarray of float64, shape (n, 3)
+    V_true : ndarray of float64, shape (n, 3)
     F : ndarray of int64, shape (m, 3)
     """
     V_noisy, V, F = noisy_and_clean(mesh, size, seed)

@@ -113,7 +113,7 @@ class FilterExplorer(Explorer):
             F,
             settings["method"],
             parameters=settings["parameters"],
-            clean=V,
+            ground_truth=V,
             callback=go_on,
         )
         if not result.finished and settings != self.settings():

@@ -34,12 +34,12 @@ class Start:
 
     Parameters
     ----------
-    V_clean, V_noisy : ndarray of float64, shape (n, 3)
+    V_true, V_noisy : ndarray of float64, shape (n, 3)
     F : ndarray of int64, shape (m, 3)
     """
 
-    def __init__(self, V_clean, V_noisy, F):
-        self.V_clean, self.V_noisy, self.F = V_clean, V_noisy, F
+    def __init__(self, V_true, V_noisy, F):
+        self.V_true, self.V_noisy, self.F = V_true, V_noisy, F
         self._operators = {}
 
     def operator(self, name):
@@ -76,7 +76,7 @@ class Run:
         """A function from positions to values, and the ends of their colour bar."""
         if name not in self._colours:
             start = self.start
-            values = colouring.COLOURINGS[name].of(start.V_clean, start.F)
+            values = colouring.COLOURINGS[name].of(start.V_true, start.F)
             # The noisy mesh sets the limits, so that the colours fade as the noise goes.
             self._colours[name] = values, colouring.limits(values(start.V_noisy))
         return self._colours[name]
@@ -155,7 +155,7 @@ class FlowExplorer(Explorer):
 
     def _measured(self, V, start):
         """One number about a state, for the curve."""
-        return snr(start.V_clean, V)
+        return snr(start.V_true, V)
 
     def _panel(self, name):
         """The panel in which the flow with some weights is seen."""
@@ -407,7 +407,7 @@ class DenoisingExplorer(FlowExplorer):
         return Start(V, V, F)
 
     def _measured(self, V, start):
-        return 100 * (1 + volume_change(V, start.V_clean, start.F))
+        return 100 * (1 + volume_change(V, start.V_true, start.F))
 
     def mesh(self):
         """The mesh that the view shows: what to save.

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from meshfair import noise
+from meshfair import metrics, noise
 from meshfair.explorers.chart import Chart
 from meshfair.explorers.explorer import PLAIN, Explorer, choice, colour_choice, slider, widgets
 from meshfair.mesh import mean_edge_length
@@ -69,7 +69,7 @@ class NoiseExplorer(Explorer):
             return model(V, F, size, np.random.default_rng(settings["seed"]))
 
         V_noisy = noisy(settings["size"])
-        self.snr = noise.snr(V + move, V_noisy + move)
+        self.snr = metrics.snr(V + move, V_noisy + move)
         values = None
         with self.view.together():
             if settings["colour"] != PLAIN:
@@ -83,5 +83,5 @@ class NoiseExplorer(Explorer):
         curve = []
         for k, size in enumerate(SIZES):
             job.progress(k / len(SIZES))
-            curve.append(noise.snr(V + move, noisy(size) + move))
+            curve.append(metrics.snr(V + move, noisy(size) + move))
         self.charts[0].draw({"SNR": (SIZES, curve)}, x_range=(0, 1))

@@ -52,7 +52,7 @@ class StabilityExplorer(FlowExplorer):
             W = WEIGHTS[name](start.V_noisy, start.F)
             self._eigenvalues[name] = spectrum.eigenvalues(W)
         waves = self._eigenvalues[name]
-        factors = np.abs(spectrum.response(waves, settings["tau"]))
+        factors = np.abs(spectrum.transfer_function(waves, settings["tau"]))
         self._factors.draw({name: (waves, factors)}, points=True, threshold=1.0)
         growing = np.count_nonzero(factors > 1 + 1e-9)
         bound = 2 / (1 - waves.min())

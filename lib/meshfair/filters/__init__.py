@@ -6,12 +6,12 @@ done, and positions; the last ones are the result:
     *_, (_, V_new) = filters.bilateral_normal(V, F)
 """
 
+from meshfair.filters.bilateral import bilateral
 from meshfair.filters.diffusion import averaging, heat, implicit, regularised, taubin
-from meshfair.filters.features import feature_convinced
-from meshfair.filters.guided import guided_normal
-from meshfair.filters.minimisation import l0
-from meshfair.filters.normals import bilateral_normal, sun
-from meshfair.filters.vertices import bilateral
+from meshfair.filters.feature_convinced import feature_convinced
+from meshfair.filters.guided_normal import guided_normal
+from meshfair.filters.l0 import l0
+from meshfair.filters.normal_filtering import bilateral_normal, sun
 
 __all__ = [
     "averaging",

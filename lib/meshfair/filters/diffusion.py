@@ -1,6 +1,6 @@
-"""Diffusion: the seed's filters, implicit steps, quadratic regularisation, Taubin's filter.
+"""Diffusion: averaging, heat flow, implicit steps, quadratic regularisation, Taubin's filter.
 
-All work with each of the seed's three edge weights. Steps and strengths do not
+All work with each of the original report's three edge weights. Steps and strengths do not
 depend on the mesh's scale: they are multiples of its mean edge length.
 """
 
@@ -8,23 +8,27 @@ import numpy as np
 from scipy.sparse import diags_array
 
 from meshfair import flow, solve
-from meshfair.checks import MeshError, check_mesh, check_number
-from meshfair.filters.arguments import check_choice, check_count, held_vertices
-from meshfair.mesh import is_closed, mean_edge_length, volume
+from meshfair.checks import (
+    MeshError,
+    check_choice,
+    check_count,
+    check_fixed,
+    check_mesh,
+    check_number,
+)
+from meshfair.mesh import Edges, is_closed, mean_edge_length, volume
 from meshfair.operators import averaging as averaging_operator
 from meshfair.operators import laplacian, mass
-from meshfair.weights import Pattern, combinatorial, cotangent, distance
-
-WEIGHTS = ("combinatorial", "distance", "cotangent")
+from meshfair.weights import BY_NAME
 
 
-def edge_weights(V, pattern, kind, length):
-    """One of the seed's three edge weights, free of the mesh's scale.
+def edge_weights(V, edges, kind, length):
+    """One of the original report's three edge weights, free of the mesh's scale.
 
     Parameters
     ----------
     V : ndarray of float64, shape (n, 3)
-    pattern : Pattern
+    edges : Edges
     kind : {"combinatorial", "distance", "cotangent"}
     length : float
         What distances are divided by, in the units of ``V``.
@@ -38,16 +42,12 @@ def edge_weights(V, pattern, kind, length):
     ValueError
         Another kind.
     """
-    check_choice(kind, "weights", WEIGHTS)
-    if kind == "combinatorial":
-        return combinatorial(pattern, len(V))
-    if kind == "distance":
-        return distance(V, pattern) / length
-    return cotangent(V, pattern)
+    W = BY_NAME[check_choice(kind, "weights", BY_NAME)](V, edges)
+    return W / length if kind == "distance" else W
 
 
-def averaging(V, F, *, weights="combinatorial", steps=2, fixed=None):
-    """The seed's iterated averaging V~ = W~^s V, as an iterator.
+def averaging(V, F, *, weights="combinatorial", iterations=2, fixed=None):
+    """Iterated averaging V~ = W~^s V, as an iterator.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def averaging(V, F, *, weights="combinatorial", steps=2, fixed=None):
     F : array_like of integers, shape (m, 3)
     weights : {"combinatorial", "distance", "cotangent"}
         Built once, from the noisy mesh.
-    steps : int
+    iterations : int
         s.
     fixed : array_like, optional
         Vertices that keep their place, as a boolean mask (n,) or as indices.
@@ -76,12 +76,12 @@ def averaging(V, F, *, weights="combinatorial", steps=2, fixed=None):
     StabilityWarning
         Cotangent weights so negative that the iteration may grow.
     """
-    steps = check_count(steps, "steps")
-    yield from heat(V, F, weights=weights, tau=1.0, time=steps, fixed=fixed)
+    iterations = check_count(iterations, "iterations")
+    yield from heat(V, F, weights=weights, tau=1.0, time=iterations, fixed=fixed)
 
 
 def heat(V, F, *, weights="combinatorial", tau=0.2, time=2.0, fixed=None):
-    """The seed's heat flow by forward Euler, V+ = (1 - tau) V + tau W~ V, as an iterator.
+    """The heat flow by forward Euler, V+ = (1 - tau) V + tau W~ V, as an iterator.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def heat(V, F, *, weights="combinatorial", tau=0.2, time=2.0, fixed=None):
     V, F = check_mesh(V, F)
     tau = check_number(tau, "tau", 0, open_low=True)
     length = mean_edge_length(V, F)
-    A = averaging_operator(edge_weights(V, Pattern(F, len(V)), weights, length))
+    A = averaging_operator(edge_weights(V, Edges(F, len(V)), weights, length))
     states = flow.heat(V, A, tau, time, fixed=fixed)
     next(states)  # at time 0
     for t, V in states:
@@ -146,8 +146,8 @@ def taubin(V, F, *, weights="combinatorial", lam=0.5, mu=-0.53, iterations=10, f
     lam = check_number(lam, "lam", 0, 1, open_low=True)
     mu = check_number(mu, "mu", -np.inf, -lam)
     iterations = check_count(iterations, "iterations")
-    free = ~held_vertices(fixed, len(V))[:, None]
-    A = averaging_operator(edge_weights(V, Pattern(F, len(V)), weights, mean_edge_length(V, F)))
+    free = ~check_fixed(fixed, len(V))[:, None]
+    A = averaging_operator(edge_weights(V, Edges(F, len(V)), weights, mean_edge_length(V, F)))
     for step in range(1, iterations + 1):
         for factor in (lam, mu):
             V = V + factor * free * (A @ V - V)
@@ -155,7 +155,7 @@ def taubin(V, F, *, weights="combinatorial", lam=0.5, mu=-0.53, iterations=10, f
 
 
 def implicit(
-    V, F, *, weights="cotangent", step=0.25, steps=1, keep_volume=False, fixed=None
+    V, F, *, weights="cotangent", step=0.25, iterations=1, keep_volume=False, fixed=None
 ):  # fmt: skip
     """Implicit fairing [MD99], as an iterator: backward Euler steps of the diffusion.
 
@@ -168,7 +168,7 @@ def implicit(
         As in `averaging`. With cotangent weights this is mean curvature flow.
     step : float
         t, in squared mean edge lengths of the input.
-    steps : int
+    iterations : int
     keep_volume : bool
         After each step, scale the mesh about its centroid back to the
         volume it had at the start.
@@ -188,19 +188,19 @@ def implicit(
     """
     V, F = check_mesh(V, F)
     step = check_number(step, "step", 0)
-    steps = check_count(steps, "steps")
+    iterations = check_count(iterations, "iterations")
     rescale = volume_keeper(V, F, keep_volume, fixed)
-    pattern, length = Pattern(F, len(V)), mean_edge_length(V, F)
-    for k in range(1, steps + 1):
-        L = laplacian(edge_weights(V, pattern, weights, length))
+    edges, length = Edges(F, len(V)), mean_edge_length(V, F)
+    for k in range(1, iterations + 1):
+        L = laplacian(edge_weights(V, edges, weights, length))
         V = rescale(solve.implicit_step(V, L, mass(V, F), step * length**2, fixed=fixed))
-        yield k / steps, V
+        yield k / iterations, V
 
 
 def regularised(
-    V, F, *, weights="cotangent", order=1, strength=0.25, keep_volume=False, fixed=None
+    V, F, *, weights="cotangent", order=1, lam=0.25, keep_volume=False, fixed=None
 ):  # fmt: skip
-    """Quadratic regularisation, as the seed's conclusion proposes it, as an iterator.
+    """Quadratic regularisation, as the original report's conclusion proposes it, as an iterator.
 
     The minimiser of |V' - V|_M^2 + lambda E(V'), with a penalty on the gradient
     or, of second order, on the Laplacian:
@@ -216,7 +216,7 @@ def regularised(
     V, F, weights, fixed
         As in `averaging`.
     order : {1, 2}
-    strength : float
+    lam : float
         lambda, in mean edge lengths to the power 2 (order 1) or 4 (order 2).
     keep_volume : bool
         As in `implicit`.
@@ -233,16 +233,16 @@ def regularised(
     """
     V, F = check_mesh(V, F)
     check_choice(order, "order", (1, 2))
-    strength = check_number(strength, "strength", 0)
+    lam = check_number(lam, "lam", 0)
     rescale = volume_keeper(V, F, keep_volume, fixed)
     length = mean_edge_length(V, F)
-    L = laplacian(edge_weights(V, Pattern(F, len(V)), weights, length))
+    L = laplacian(edge_weights(V, Edges(F, len(V)), weights, length))
     M = mass(V, F)
     if order == 2:
         m = M.diagonal()
         inverse = np.divide(1.0, m, out=np.zeros_like(m), where=m > 0)
         L = L @ diags_array(inverse) @ L
-    yield 1.0, rescale(solve.implicit_step(V, L, M, strength * length ** (2 * order), fixed=fixed))
+    yield 1.0, rescale(solve.implicit_step(V, L, M, lam * length ** (2 * order), fixed=fixed))
 
 
 def volume_keeper(V, F, keep_volume, fixed):

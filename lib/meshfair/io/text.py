@@ -24,7 +24,7 @@ def clean(data):
 
 
 def line_at(text, position):
-    """Where in the file a position of its cleaned text is."""
+    """Where in the file a position of its repaired text is."""
     return f"line {text.count(10, 0, position)}"
 
 
@@ -49,7 +49,7 @@ def is_blank(codes):
 
 
 class Lines:
-    """The lines of a cleaned text that are not blank.
+    """The lines of a repaired text that are not blank.
 
     Parameters
     ----------

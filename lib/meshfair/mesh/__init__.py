@@ -1,53 +1,62 @@
 """What the other modules ask of a triangle mesh, and what is wrong with it.
 
-``topology`` and ``geometry`` hold the facts, ``boundary`` what to do with an
-open mesh's edge; ``inspection`` says what is wrong, in the words of
-``findings``, ``cleaning`` mends it, and ``clustering`` does damage on purpose.
+``edges`` holds the one structure of a mesh's edges; ``topology``, ``geometry``,
+``boundary`` and ``dihedral`` hold the facts, ``ordering`` the numbering of vertices;
+``inspection`` says what is wrong, in the words of ``findings``, ``repair`` mends
+it, and ``clustering`` does damage on purpose.
 """
 
-from meshfair.mesh.boundary import boundary_as_curve, boundary_edges, boundary_vertices
-from meshfair.mesh.cleaning import Cleaned, Step, clean
+from meshfair.mesh.boundary import boundary_edges, boundary_vertices
 from meshfair.mesh.clustering import cluster
+from meshfair.mesh.dihedral import InteriorEdges, dihedral_angles, interior_edges
+from meshfair.mesh.duplicates import unique_faces
+from meshfair.mesh.edges import Edges, half_edges
 from meshfair.mesh.findings import Finding
 from meshfair.mesh.geometry import (
-    DEGENERATE,
     area,
-    area_vectors,
     degenerate_faces,
     edge_lengths,
     face_areas,
     face_normals,
+    face_shapes,
     mean_edge_length,
+    normalised,
     scatter,
     vertex_normals,
     volume,
 )
 from meshfair.mesh.inspection import Inspection, inspect
-from meshfair.mesh.topology import components, edges, half_edges, is_closed, unique_faces
+from meshfair.mesh.ordering import reorder, restore_order
+from meshfair.mesh.repair import Repaired, Step, repair
+from meshfair.mesh.topology import components, is_closed
 
 __all__ = [
-    "DEGENERATE",
-    "Cleaned",
+    "Edges",
     "Finding",
     "Inspection",
+    "InteriorEdges",
+    "Repaired",
     "Step",
     "area",
-    "area_vectors",
-    "boundary_as_curve",
     "boundary_edges",
     "boundary_vertices",
-    "clean",
     "cluster",
     "components",
     "degenerate_faces",
+    "dihedral_angles",
     "edge_lengths",
-    "edges",
     "face_areas",
     "face_normals",
+    "face_shapes",
     "half_edges",
     "inspect",
+    "interior_edges",
     "is_closed",
     "mean_edge_length",
+    "normalised",
+    "reorder",
+    "repair",
+    "restore_order",
     "scatter",
     "unique_faces",
     "vertex_normals",

@@ -14,7 +14,7 @@ def cluster(V, F, cell):
     pass through one cell they are fused. The result has non-manifold edges and
     vertices, faces that are stored twice (with both orientations), and holes
     too small for the grid are closed. This is what the seed's reduction did to
-    its meshes, and is here to study the damage: see `inspect` and `clean`.
+    its meshes, and is here to study the damage: see `inspect` and `repair`.
 
     Parameters
     ----------

@@ -28,14 +28,14 @@ KINDS = {
         "vertex",
         "no flow or filter moves them; noise.gaussian and noise.uniform do, and metrics.snr "
         "counts them",
-        "mesh.clean(V, F, unreferenced=True)",
+        "mesh.repair(V, F, unreferenced=True)",
     ),
     "duplicate_vertices": Kind(
         True,
         "vertices in the place of another",
         "vertex",
         "they are no neighbours, so the surface is cut there: noise and every flow tear it open",
-        "mesh.clean(V, F, weld=0), unless the cut is meant",
+        "mesh.repair(V, F, weld=0), unless the cut is meant",
     ),
     "duplicate_faces": Kind(
         True,
@@ -43,7 +43,7 @@ KINDS = {
         "face",
         "the weights count a face once, but mesh.area, mesh.volume, mesh.vertex_normals, "
         "operators.mass and reference (libigl) as often as it is stored",
-        "mesh.clean(V, F, duplicates=True)",
+        "mesh.repair(V, F, duplicates=True)",
     ),
     "degenerate_faces": Kind(
         True,
@@ -51,7 +51,7 @@ KINDS = {
         "face",
         "weights.cotangent leaves them out, with a warning; they have no normal for the normal "
         "filters and for metrics.normal_angle",
-        "mesh.clean(V, F, weld=0, degenerate=True), or weights.intrinsic",
+        "mesh.repair(V, F, weld=0, degenerate=True), or intrinsic.cotangent",
     ),
     "sliver_faces": Kind(
         False,
@@ -59,7 +59,7 @@ KINDS = {
         "face",
         "cotangents above 57 outweigh all other neighbours in weights.cotangent, and "
         "operators.diffusion needs tiny steps; face normals there are mostly noise",
-        "weights.intrinsic, or weights.combinatorial",
+        "intrinsic.cotangent, or weights.combinatorial",
     ),
     "nonmanifold_edges": Kind(
         True,
@@ -67,14 +67,14 @@ KINDS = {
         "edge",
         "weights.cotangent sums the angles of all the faces; mesh.vertex_normals and the normal "
         "filters mix the sheets that meet there; mesh.volume means nothing",
-        "mesh.clean(V, F, duplicates=True, split=True), or weights.intrinsic",
+        "mesh.repair(V, F, duplicates=True, split=True), or intrinsic.cotangent",
     ),
     "nonmanifold_vertices": Kind(
         True,
         "non-manifold vertices, with more than one fan of faces",
         "vertex",
         "all weights join surfaces that only touch there, and mesh.vertex_normals mixes them",
-        "mesh.clean(V, F, split=True)",
+        "mesh.repair(V, F, split=True)",
     ),
     "inconsistent_edges": Kind(
         True,
@@ -82,7 +82,7 @@ KINDS = {
         "edge",
         "mesh.vertex_normals cancel there, so noise.along_normals, the vertex and normal filters "
         "and mesh.volume are wrong; the weights do not depend on orientation",
-        'mesh.clean(V, F, orient="consistent")',
+        'mesh.repair(V, F, orient="consistent")',
     ),
     "one_sided_faces": Kind(
         True,
@@ -98,7 +98,7 @@ KINDS = {
         "component",
         "the volume counts negative there, and normals point inwards: right for a cavity, wrong "
         "for a body",
-        'mesh.clean(V, F, orient="outward") if it is a body',
+        'mesh.repair(V, F, orient="outward") if it is a body',
     ),
     "boundary_edges": Kind(
         False,
@@ -106,7 +106,8 @@ KINDS = {
         "edge",
         "flows draw the boundary inwards; weights.cotangent has one angle there; mesh.volume is "
         "that of a cone over the surface",
-        "fixed=mesh.boundary_vertices(F) holds it, mesh.boundary_as_curve smooths it as a curve",
+        "fixed=mesh.boundary_vertices(F) fixes it, operators.boundary_as_curve smooths it as a "
+        "curve",
     ),
     "negative_weights": Kind(
         False,
@@ -114,7 +115,7 @@ KINDS = {
         "edge",
         "weights.cotangent: averages leave the neighbours' hull, and flow.heat and flow.average "
         "can be unstable at tau = 1 (tau up to 2/3 is safe)",
-        'weights.cotangent(V, F, negative="clamp"), or weights.intrinsic',
+        'weights.cotangent(V, F, negative="clamp"), or intrinsic.cotangent',
     ),
 }
 

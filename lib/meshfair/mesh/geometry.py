@@ -1,31 +1,92 @@
 """Areas, normals, angles, lengths and volume of a triangle mesh."""
 
-from typing import NamedTuple
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
-from meshfair.checks import MeshError, check_mesh
-from meshfair.mesh.topology import edges
-
-# A triangle is degenerate when its height over its longest edge is this small
-# a part of that edge: below it, rounding decides the normal and the cotangents.
-DEGENERATE = 1e-12
+from meshfair import _fast
+from meshfair.checks import DEGENERATE, Booleans, Floats, Integers, MeshError, check_mesh
+from meshfair.mesh.edges import Edges
 
 
-def area_vectors(V, F):
-    """Each face's normal times its area: half the cross product of two edges."""
-    a, b, c = V[F[:, 0]], V[F[:, 1]], V[F[:, 2]]
-    return 0.5 * np.cross(b - a, c - a)
+class Triangles:
+    """The measures of all triangles, each computed when it is asked for.
+
+    Parameters
+    ----------
+    V : ndarray of float64, shape (n, 3)
+    F : ndarray of int64, shape (m, 3)
+    """
+
+    def __init__(self, V: Floats, F: Integers) -> None:
+        # Coordinate by coordinate, so that each array is long and contiguous.
+        X = np.ascontiguousarray(V.T)
+        self._corners = [np.take(X, F[:, k], axis=1) for k in range(3)]
+
+    @cached_property
+    def _dots(self) -> Floats:
+        """u . v of the two edge vectors at each of the three corners; shape (3, m)."""
+        A, B, C = self._corners
+        a, b, c = C - B, A - C, B - A
+        return -np.stack([_dot(b, c), _dot(c, a), _dot(a, b)])
+
+    @cached_property
+    def cross(self) -> Floats:
+        """Cross product of two edges: the normal times twice the area; shape (3, m)."""
+        A, B, C = self._corners
+        u, v = B - A, C - A
+        return np.stack([u[i] * v[j] - u[j] * v[i] for i, j in ((1, 2), (2, 0), (0, 1))])
+
+    @cached_property
+    def doubled_area(self) -> Floats:
+        """Twice the area; shape (m,)."""
+        return np.sqrt(_dot(self.cross, self.cross))
+
+    @property
+    def area(self) -> Floats:
+        """Area, in squared units of length; shape (m,)."""
+        return self.doubled_area / 2
+
+    @property
+    def area_vectors(self) -> Floats:
+        """Normal times area; shape (m, 3)."""
+        return self.cross.T / 2
+
+    @property
+    def normals(self) -> Floats:
+        """Unit normals; zero for a triangle without area; shape (m, 3)."""
+        return normalised(self.cross.T)
+
+    @property
+    def centroids(self) -> Floats:
+        """Mean of the three corners; shape (m, 3)."""
+        A, B, C = self._corners
+        return np.ascontiguousarray(((A + B + C) / 3).T)
+
+    @cached_property
+    def degenerate(self) -> Booleans:
+        """Which have no area to speak of, see `degenerate_faces`; shape (m,)."""
+        # An edge's squared length is the sum of the dot products at its two ends.
+        dots = self._dots
+        longest = np.maximum(np.maximum(dots[0] + dots[1], dots[1] + dots[2]), dots[2] + dots[0])
+        return self.doubled_area <= DEGENERATE * longest
+
+    @cached_property
+    def cotangents(self) -> Floats:
+        """cot = u . v / |u x v| at the three corners; 0 in degenerate triangles; shape (3, m)."""
+        dots = self._dots
+        return np.divide(dots, self.doubled_area, out=np.zeros_like(dots), where=~self.degenerate)
 
 
-def _normalised(X):
+def normalised(X: Floats) -> Floats:
     """Rows of length one; a row of zeros, which has no direction, stays zero."""
     length = np.linalg.norm(X, axis=1, keepdims=True)
     return np.divide(X, length, out=np.zeros_like(X), where=length > 0)
 
 
-def face_areas(V, F):
+def face_areas(V: ArrayLike, F: ArrayLike) -> Floats:
     """Areas of the triangles, in squared units of length.
 
     Parameters
@@ -37,10 +98,10 @@ def face_areas(V, F):
     -------
     ndarray of float64, shape (m,)
     """
-    return np.linalg.norm(area_vectors(*check_mesh(V, F)), axis=1)
+    return Triangles(*check_mesh(V, F)).area
 
 
-def face_normals(V, F):
+def face_normals(V: ArrayLike, F: ArrayLike) -> Floats:
     """Unit normals of the triangles, outward where faces are counter-clockwise.
 
     Parameters
@@ -53,10 +114,10 @@ def face_normals(V, F):
     ndarray of float64, shape (m, 3)
         Unit vectors; zero for a triangle without area.
     """
-    return _normalised(area_vectors(*check_mesh(V, F)))
+    return Triangles(*check_mesh(V, F)).normals
 
 
-def vertex_normals(V, F):
+def vertex_normals(V: ArrayLike, F: ArrayLike) -> Floats:
     """Unit normals of the vertices: the mean of the faces' around, by area.
 
     Parameters
@@ -70,10 +131,10 @@ def vertex_normals(V, F):
         Unit vectors; zero at a vertex without faces.
     """
     V, F = check_mesh(V, F)
-    return _normalised(scatter(area_vectors(V, F), F, len(V)))
+    return normalised(scatter(Triangles(V, F).area_vectors, F, len(V)))
 
 
-def scatter(X, F, n):
+def scatter(X: Floats, F: Integers, n: int) -> Floats:
     """Sum a value of each face at its three vertices.
 
     Parameters
@@ -93,19 +154,40 @@ def scatter(X, F, n):
     return incidence @ X
 
 
-def edge_lengths(V, F):
-    """Lengths of the edges, each edge once, in the order of `edges`.
+def face_shapes(V: Floats, F: Integers) -> tuple[Floats, Floats, Floats]:
+    """Normals, areas and centroids of the faces, which filters need in every iteration.
+
+    Parameters
+    ----------
+    V : ndarray of float64, shape (n, 3)
+    F : ndarray of int64, shape (m, 3)
+
+    Returns
+    -------
+    N : ndarray of float64, shape (m, 3)
+        Unit normals; zero for a face without area.
+    area : ndarray of float64, shape (m,)
+    C : ndarray of float64, shape (m, 3)
+        Centroids.
+    """
+    if _fast.wanted(len(F)):
+        return _fast.faces.face_shapes(V, F)
+    T = Triangles(V, F)
+    return T.normals, T.area, T.centroids
+
+
+def edge_lengths(V: ArrayLike, F: ArrayLike) -> Floats:
+    """Lengths of the edges, each edge once, in the order of `Edges`.
 
     Returns
     -------
     ndarray of float64, shape (k,)
     """
     V, F = check_mesh(V, F)
-    E, _ = edges(F)
-    return np.linalg.norm(V[E[:, 0]] - V[E[:, 1]], axis=1)
+    return Edges(F, len(V)).lengths(V)
 
 
-def mean_edge_length(V, F):
+def mean_edge_length(V: ArrayLike, F: ArrayLike) -> float:
     """Mean length of the edges, each counted once: the package's unit of noise.
 
     Parameters
@@ -129,7 +211,7 @@ def mean_edge_length(V, F):
     return float(lengths.mean())
 
 
-def degenerate_faces(V, F):
+def degenerate_faces(V: ArrayLike, F: ArrayLike) -> Booleans:
     """Which triangles have no area to speak of.
 
     Parameters
@@ -142,59 +224,20 @@ def degenerate_faces(V, F):
     ndarray of bool, shape (m,)
         True where the height over the longest edge is at most 1e-12 of it.
     """
-    return measure(*check_mesh(V, F)).degenerate
+    return Triangles(*check_mesh(V, F)).degenerate
 
 
-class Triangles(NamedTuple):
-    """Measures of triangles, in long contiguous rows; see `measure`."""
-
-    cross: np.ndarray
-    """Normals times twice the area, one coordinate a row; shape (3, m)."""
-    doubled_area: np.ndarray
-    """Shape (m,)."""
-    degenerate: np.ndarray
-    """Which have no area to speak of, see `degenerate_faces`; bool, shape (m,)."""
-    cotangents: np.ndarray
-    """Of the angles at the three corners; 0 in degenerate triangles; shape (3, m)."""
-
-
-def measure(V, F):
-    """Measure the areas and angles of all triangles.
-
-    Parameters
-    ----------
-    V : ndarray of float64, shape (n, 3)
-    F : ndarray of int64, shape (m, 3)
-
-    Returns
-    -------
-    Triangles
-    """
-    # Coordinate by coordinate, so that each array is long and contiguous.
-    X = np.ascontiguousarray(V.T)
-    A, B, C = (np.take(X, F[:, k], axis=1) for k in range(3))
-    a, b, c = C - B, A - C, B - A
-    dot = -np.stack([_dot(b, c), _dot(c, a), _dot(a, b)])
-    cross = np.stack([a[i] * b[j] - a[j] * b[i] for i, j in ((1, 2), (2, 0), (0, 1))])
-    doubled_area = np.sqrt(_dot(cross, cross))
-    # An edge's squared length is the sum of the dot products at its two ends.
-    longest = np.maximum(np.maximum(dot[0] + dot[1], dot[1] + dot[2]), dot[2] + dot[0])
-    degenerate = doubled_area <= DEGENERATE * longest
-    cotangents = np.divide(dot, doubled_area, out=np.zeros_like(dot), where=~degenerate)
-    return Triangles(cross, doubled_area, degenerate, cotangents)
-
-
-def _dot(u, v):
+def _dot(u: Floats, v: Floats) -> Floats:
     """Dot products of the columns of two arrays of shape (3, m)."""
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
 
 
-def area(V, F):
+def area(V: ArrayLike, F: ArrayLike) -> float:
     """Area of the surface, in squared units of length."""
     return float(face_areas(V, F).sum())
 
 
-def volume(V, F):
+def volume(V: ArrayLike, F: ArrayLike) -> float:
     """Signed volume that a closed mesh encloses, in cubed units of length.
 
     The sum of the signed volumes of the tetrahedra that the faces span with
@@ -213,4 +256,4 @@ def volume(V, F):
     """
     V, F = check_mesh(V, F)
     X = V - V.mean(axis=0)  # keeps the sum accurate far from the origin
-    return float(np.einsum("ij,ij->", X[F[:, 0]], area_vectors(X, F)) / 3)
+    return float(np.einsum("ij,ij->", X[F[:, 0]], Triangles(X, F).area_vectors) / 3)

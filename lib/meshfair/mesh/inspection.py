@@ -7,20 +7,19 @@ from textwrap import fill
 import numpy as np
 
 from meshfair.checks import check_mesh
+from meshfair.mesh.duplicates import repeated_faces, repeated_rows
+from meshfair.mesh.edges import Edges
 from meshfair.mesh.findings import KINDS, SLIVER, Finding
-from meshfair.mesh.geometry import measure
+from meshfair.mesh.geometry import Triangles
 from meshfair.mesh.topology import (
     across_two_faces,
     boundary_loops,
     collapsed_faces,
     fans,
-    group_edges,
     neighbours,
     number_components,
     orientation,
     referenced,
-    repeated_faces,
-    repeated_rows,
 )
 
 SLIVER_COTANGENT = 1 / np.tan(np.radians(SLIVER))
@@ -155,7 +154,7 @@ def _wrapped(label, text):
 def inspect(V, F):
     """Say what a mesh is, and what is wrong with it.
 
-    Nothing is changed; `clean` mends what can be mended.
+    Nothing is changed; `repair` mends what can be mended.
 
     Parameters
     ----------
@@ -182,7 +181,7 @@ def inspect(V, F):
     """
     V, F = check_mesh(V, F)
     used, repeated = referenced(F, len(V)), repeated_faces(F)
-    triangles = measure(V, F)
+    triangles = Triangles(V, F)
     places = {
         "unreferenced_vertices": np.flatnonzero(~used),
         "duplicate_vertices": np.flatnonzero(used)[_repeated(V[used])],
@@ -195,12 +194,13 @@ def inspect(V, F):
     T, cotangents = F, triangles.cotangents
     if len(on_surface) < len(F):
         T, cotangents = F[on_surface], cotangents[:, on_surface]
-    edges = group_edges(T)
-    lengths = np.linalg.norm(V[edges.ends[:, 0]] - V[edges.ends[:, 1]], axis=1)
+    edges = Edges.of_all(T, len(V))
+    lengths = edges.lengths(V)
     topology, found = _topology(V, T, edges)
     places |= found
     places["one_sided_faces"] = on_surface[places["one_sided_faces"]]
-    negative = _weights(edges, cotangents, repeated[on_surface]) < NEGATIVE
+    # The weights as `weights.cotangent` has them, where a duplicate face counts once.
+    negative = edges.sums(np.where(repeated[on_surface], 0, cotangents)) / 2 < NEGATIVE
     places["negative_weights"] = edges.ends[negative]
     smallest, largest = _extreme_angles(triangles)
     return Inspection(
@@ -276,14 +276,6 @@ def _cone_volumes(V, F):
     (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (np.take(X, F[:, k], axis=0).T for k in range(3))
     determinant = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
     return determinant / 6
-
-
-def _weights(edges, cotangents, repeated):
-    """Cotangent weight of each edge, repeated faces left out, as `weights.cotangent` has it."""
-    cotangents = np.where(repeated, 0, cotangents)
-    # A half-edge and the corner opposite it have the same number, see `half_edges`.
-    opposite = cotangents.ravel()[edges.half_edges]
-    return np.bincount(edges.of_half_edge, opposite / 2, minlength=len(edges.ends))
 
 
 def _extreme_angles(triangles):

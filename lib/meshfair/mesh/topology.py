@@ -4,158 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from meshfair.checks import check_faces
-
-# Odd numbers with bits all over, which spread rows over 64-bit hashes.
-_ODD = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
-
-
-def half_edges(F):
-    """The three directed edges of each triangle.
-
-    Parameters
-    ----------
-    F : ndarray of int64, shape (m, 3)
-
-    Returns
-    -------
-    ndarray of int64, shape (3m, 2)
-        Rows 0 .. m-1 are the edges opposite each triangle's first corner,
-        then those opposite its second, then its third.
-    """
-    return np.concatenate([F[:, [1, 2]], F[:, [2, 0]], F[:, [0, 1]]])
-
-
-class Edges(NamedTuple):
-    """The edges of a list of faces, each with the half-edges that lie on it."""
-
-    ends: np.ndarray
-    """Rows (i, j) with i < j, sorted; int64, shape (k, 2)."""
-    start: np.ndarray
-    """Edge e has the half-edges ``half_edges[start[e]:start[e + 1]]``; shape (k + 1,)."""
-    half_edges: np.ndarray
-    """Rows of `half_edges`, grouped by edge, in rising order within each."""
-
-    @property
-    def faces_of_edge(self):
-        """How many faces each edge has; int64, shape (k,)."""
-        return np.diff(self.start)
-
-    @property
-    def of_half_edge(self):
-        """The edge that each of `half_edges` lies on; int64, the shape of `half_edges`."""
-        return np.repeat(np.arange(len(self.ends)), self.faces_of_edge)
-
-
-def group_edges(F):
-    """Sort the half-edges of faces into edges.
-
-    Parameters
-    ----------
-    F : ndarray of int64, shape (m, 3)
-        Every face counts, repeated ones too. The edge from a vertex to
-        itself, which only a collapsed face has, is left out.
-
-    Returns
-    -------
-    Edges
-    """
-    n = F.max(initial=0) + 1
-    H = half_edges(F)
-    # One integer for each edge sorts many times faster than rows of two.
-    low, high = np.minimum(H[:, 0], H[:, 1]), np.maximum(H[:, 0], H[:, 1])
-    keys = low * n + high
-    order = np.argsort(keys, kind="stable")
-    keys = keys[order]
-    if (loop := low == high).any():
-        proper = ~loop[order]
-        order, keys = order[proper], keys[proper]
-    first = np.flatnonzero(np.diff(keys, prepend=-1))
-    ends = np.column_stack(np.divmod(keys[first], n))
-    return Edges(ends, np.append(first, len(keys)), order)
-
-
-def edges(F):
-    """Edges without orientation, each once, and how many faces have each.
-
-    Parameters
-    ----------
-    F : array_like of integers, shape (m, 3)
-
-    Returns
-    -------
-    E : ndarray of int64, shape (k, 2)
-        Rows (i, j) with i < j, sorted. An edge from a vertex to itself, which
-        only a degenerate triangle has, is left out.
-    faces_of_edge : ndarray of int64, shape (k,)
-        Number of triangles at each edge, duplicate faces counted once: 1 on
-        the boundary, 2 inside, more where the mesh is not manifold.
-    """
-    grouped = group_edges(unique_faces(F))
-    return grouped.ends, grouped.faces_of_edge
-
-
-def repeated_rows(rows):
-    """Which rows of an array are equal to an earlier row, and to which one.
-
-    Parameters
-    ----------
-    rows : ndarray of int64 or float64, shape (k, 3)
-
-    Returns
-    -------
-    first : ndarray of int64, shape (k,)
-        Index of the first row that is equal; the row's own index if none is.
-    """
-    first = np.arange(len(rows))
-    # Equal rows have equal hashes, and numbers are sorted quickly; only the rows
-    # whose hash is not alone are then compared themselves.
-    bits = (rows + 0).view(np.uint64) * _ODD[0]  # adding 0 turns -0.0 into 0.0
-    bits ^= bits >> np.uint64(32)
-    hashes = bits @ _ODD
-    ordered = np.sort(hashes)
-    shared = ordered[1:][ordered[1:] == ordered[:-1]]
-    if len(shared):
-        suspects = np.flatnonzero(np.isin(hashes, shared))
-        order = suspects[np.lexsort(rows[suspects].T)]  # stable: a run's first has its lowest index
-        new = np.append(True, np.any(rows[order[1:]] != rows[order[:-1]], axis=1))
-        first[order] = order[new][np.cumsum(new) - 1]
-    return first
-
-
-def unique_faces(F):
-    """The faces without repetitions, the first of each kept, in their order.
-
-    Two faces are duplicates where they have the same three vertices, whatever
-    their orientation.
-
-    Parameters
-    ----------
-    F : array_like of integers, shape (m, 3)
-
-    Returns
-    -------
-    ndarray of int64, shape (m', 3)
-    """
-    F = check_faces(F, np.max(F, initial=0) + 1)
-    repeated = repeated_faces(F)
-    return F[~repeated] if repeated.any() else F
-
-
-def repeated_faces(F):
-    """Which faces have the three vertices of an earlier face.
-
-    Parameters
-    ----------
-    F : ndarray of int64, shape (m, 3)
-
-    Returns
-    -------
-    ndarray of bool, shape (m,)
-    """
-    return repeated_rows(np.sort(F, axis=1)) != np.arange(len(F))
+from meshfair.mesh.edges import Edges
 
 
 def collapsed_faces(F):
@@ -187,7 +38,7 @@ def is_closed(F):
     -------
     bool
     """
-    return bool(np.all(edges(F)[1] == 2))
+    return bool(np.all(Edges(F).faces_of_edge == 2))
 
 
 def joined(i, j, count):
@@ -207,6 +58,8 @@ def joined(i, j, count):
     labels : ndarray of int32, shape (count,)
         Group of each thing, 0 .. groups - 1.
     """
+    from scipy.sparse.csgraph import connected_components  # slow to load, and seldom needed
+
     links = coo_array((np.ones(len(i), dtype=np.int8), (i, j)), shape=(count, count))
     return connected_components(links, directed=False)
 
@@ -260,13 +113,13 @@ class Neighbours(NamedTuple):
     """The edge they lie on, shape (k,)."""
 
 
-def neighbours(F, grouped):
+def neighbours(F, edges):
     """The faces that meet at each edge, as pairs of half-edges.
 
     Parameters
     ----------
     F : ndarray of int64, shape (m, 3)
-    grouped : Edges
+    edges : Edges
         Of the same faces.
 
     Returns
@@ -275,16 +128,16 @@ def neighbours(F, grouped):
         An edge of more than two faces gives a chain of pairs, from each of
         its faces to the next; one on the boundary gives none.
     """
-    edge = grouped.of_half_edge
+    edge = edges.of_half_edge
     meet = np.flatnonzero(edge[1:] == edge[:-1])
-    first, second = grouped.half_edges[meet], grouped.half_edges[meet + 1]
+    first, second = edges.half_edges[meet], edges.half_edges[meet + 1]
     tail = F[:, [1, 2, 0]].T.ravel()
     return Neighbours(first, second, tail[first] != tail[second], edge[meet])
 
 
-def across_two_faces(pairs, grouped):
+def across_two_faces(pairs, edges):
     """Those of `neighbours` that meet at an edge with just two faces."""
-    two = grouped.faces_of_edge[pairs.edge] == 2
+    two = edges.faces_of_edge[pairs.edge] == 2
     return pairs if two.all() else Neighbours(*(column[two] for column in pairs))
 
 
@@ -321,7 +174,7 @@ def _around(h, m):
     return (h + m) % (3 * m), (h + 2 * m) % (3 * m)
 
 
-def boundary_loops(grouped, corner_fans):
+def boundary_loops(edges, corner_fans):
     """Number the loops of the boundary.
 
     Where the surface touches itself at a vertex, the loops through it are
@@ -329,7 +182,7 @@ def boundary_loops(grouped, corner_fans):
 
     Parameters
     ----------
-    grouped : Edges
+    edges : Edges
     corner_fans : ndarray of integers, shape (3, m)
         As `fans` gives them, for all pairs of neighbours.
 
@@ -338,7 +191,7 @@ def boundary_loops(grouped, corner_fans):
     int
         Number of loops.
     """
-    on_boundary = grouped.half_edges[grouped.start[:-1][grouped.faces_of_edge == 1]]
+    on_boundary = edges.half_edges[edges.start[:-1][edges.faces_of_edge == 1]]
     ends = corner_fans.ravel()[np.stack(_around(on_boundary, corner_fans.shape[1]))]
     at, links = np.unique(ends, return_inverse=True)
     return joined(*links.reshape(2, -1), len(at))[0]

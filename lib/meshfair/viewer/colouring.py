@@ -14,34 +14,34 @@ from meshfair.operators import diffusion, mass
 from meshfair.weights import cotangent
 
 
-def displacement(V_clean, F):
+def displacement(V_true, F):
     """Distance of each vertex from its clean place, in mean edge lengths; shape (n,)."""
-    unit = mean_edge_length(V_clean, F)
-    return lambda V: np.linalg.norm(V - V_clean, axis=1) / unit
+    unit = mean_edge_length(V_true, F)
+    return lambda V: np.linalg.norm(V - V_true, axis=1) / unit
 
 
-def normal_angle(V_clean, F):
+def normal_angle(V_true, F):
     """Angle between each face's normal and its clean one, in degrees; shape (m,).
 
     0 for a face without area in the clean mesh, which has no normal.
     """
-    known = face_normals(V_clean, F).any(axis=1)
+    known = face_normals(V_true, F).any(axis=1)
 
     def values(V):
         angles = np.zeros(len(F))
-        angles[known] = normal_angles(V, V_clean, F)
+        angles[known] = normal_angles(V, V_true, F)
         return angles
 
     return values
 
 
-def curvature(V_clean, F):
+def curvature(V_true, F):
     """Size of the mean curvature at each vertex, times the mean edge length; shape (n,).
 
     Half of |M^-1 L V|, the cotangent formula of [PP93, MD99]; 0.1 on a sphere
     whose radius is ten edges. The clean mesh sets the unit of length.
     """
-    unit = mean_edge_length(V_clean, F)
+    unit = mean_edge_length(V_true, F)
 
     def values(V):
         A = diffusion(cotangent(V, F), mass(V, F))
@@ -56,7 +56,7 @@ class Colouring(NamedTuple):
     label: str
     """What it is, with its unit: the colour bar's label."""
     of: object
-    """function(V_clean, F) -> function(V) -> one number for each vertex or each face."""
+    """function(V_true, F) -> function(V) -> one number for each vertex or each face."""
 
 
 COLOURINGS = {

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshfair import plotting
 from meshfair.checks import check_mesh
 from meshfair.viewer.camera import FIELD_OF_VIEW
+from meshfair.viewer.painter import draw_mesh
 
 SURFACE = (0.55, 0.68, 0.86)  # the colour of a mesh without values
 MISSING_EGL = (
@@ -146,7 +146,7 @@ def render(
     if not has_egl():
         _warn_missing_egl()
         limits = scale and (scale.low, scale.high)
-        return plotting.draw_mesh(V, F, camera, FIELD_OF_VIEW, size, values, limits, colours)
+        return draw_mesh(V, F, camera, FIELD_OF_VIEW, size, values, limits, colours)
     # Copies: the scene knows its arrays by identity, and the caller may write to its own.
     panel = Panel(V.copy(), F.copy(), values, smooth, edges)
     return on_gl_thread(draw, panel, camera, size, scale=scale, quality=quality)

@@ -1,5 +1,5 @@
 # Instructor's file of assignment 1; `make assignments` makes the students' files from it.
-# Its cells are explained in meshfair.grading.source. Each kind of cell becomes a file of
+# Its cells are explained in meshfair_grading.source. Each kind of cell becomes a file of
 # its own, so names are imported once for each:
 # ruff: noqa: F811
 
@@ -24,13 +24,13 @@
 # %%
 # %load_ext autoreload
 # %autoreload 2
-# %load_ext meshfair.grading.notebook
+# %load_ext meshfair_grading.notebook
 import a1
 import numpy as np
 from a1_checks import check
 
 from meshfair import mesh, noise, shapes
-from meshfair.grading.notebook import show
+from meshfair_grading.notebook import show
 
 # %% [markdown]
 # ## Background
@@ -76,12 +76,12 @@ import numpy as np
 import numpy as np
 
 from meshfair import mesh, shapes
-from meshfair.grading import expect
-from meshfair.grading.answers import Seeded
-from meshfair.grading.assignment import Assignment
+from meshfair_grading import expect
+from meshfair_grading.answers import Seeded
+from meshfair_grading.assignment import Assignment
 
 ### BEGIN HIDDEN TESTS
-from meshfair.grading.meshes import unseen
+from meshfair_grading.meshes import unseen
 
 ### END HIDDEN TESTS
 

@@ -1,5 +1,5 @@
 # Instructor's file of assignment 2; `make assignments` makes the students' files from it.
-# Its cells are explained in meshfair.grading.source. Each kind of cell becomes a file of
+# Its cells are explained in meshfair_grading.source. Each kind of cell becomes a file of
 # its own, so names are imported once for each:
 # ruff: noqa: F811
 
@@ -22,14 +22,14 @@
 # %%
 # %load_ext autoreload
 # %autoreload 2
-# %load_ext meshfair.grading.notebook
+# %load_ext meshfair_grading.notebook
 import a2
 import matplotlib.pyplot as plt
 import numpy as np
 from a2_checks import check
 
 from meshfair import noise, reference, shapes
-from meshfair.grading.notebook import show
+from meshfair_grading.notebook import show
 
 # %% [markdown]
 # ## Background
@@ -70,11 +70,11 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array, diags_array, triu
 
 from meshfair import mesh, operators, shapes, weights
-from meshfair.grading import expect
-from meshfair.grading.assignment import Assignment
+from meshfair_grading import expect
+from meshfair_grading.assignment import Assignment
 
 ### BEGIN HIDDEN TESTS
-from meshfair.grading.meshes import unseen
+from meshfair_grading.meshes import unseen
 
 ### END HIDDEN TESTS
 
@@ -163,7 +163,7 @@ def edges(F):
 def check_edges(student, F):
     """Compare the rows as a set, with hints."""
     came = student.edges(F)
-    expected = mesh.edges(F)[0]
+    expected = mesh.Edges(F).ends
     count = f"{len(expected)} rows (i, j), i < j"
     E = expect.array(came, "the array of edges")
     expect.that(

@@ -1,5 +1,5 @@
 # Instructor's file of assignment 3; `make assignments` makes the students' files from it.
-# Its cells are explained in meshfair.grading.source. Each kind of cell becomes a file of
+# Its cells are explained in meshfair_grading.source. Each kind of cell becomes a file of
 # its own, so names are imported once for each:
 # ruff: noqa: F811
 
@@ -23,14 +23,14 @@
 # %%
 # %load_ext autoreload
 # %autoreload 2
-# %load_ext meshfair.grading.notebook
+# %load_ext meshfair_grading.notebook
 import a3
 import matplotlib.pyplot as plt
 import numpy as np
 from a3_checks import check
 
-from meshfair import noise, operators, shapes, weights
-from meshfair.grading.notebook import show
+from meshfair import metrics, noise, operators, shapes, weights
+from meshfair_grading.notebook import show
 
 # %% [markdown]
 # ## Background
@@ -73,11 +73,11 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array, eye_array
 
 from meshfair import flow, noise, operators, shapes, weights
-from meshfair.grading import expect
-from meshfair.grading.assignment import Assignment, Rules
+from meshfair_grading import expect
+from meshfair_grading.assignment import Assignment, Rules
 
 ### BEGIN HIDDEN TESTS
-from meshfair.grading.meshes import unseen
+from meshfair_grading.meshes import unseen
 
 ### END HIDDEN TESTS
 
@@ -428,7 +428,7 @@ show(
 
 
 # %% module
-def best_stopping(V_noisy, V_clean, A, tau, steps):
+def best_stopping(V_noisy, V_true, A, tau, steps):
     """When the heat flow is closest to the clean mesh.
 
     Returns
@@ -441,8 +441,8 @@ def best_stopping(V_noisy, V_clean, A, tau, steps):
 
     ### BEGIN SOLUTION
     def snr(V):
-        noise = np.linalg.norm(V_clean - V, axis=1).sum()
-        return -20 * np.log10(noise / np.linalg.norm(V_clean, axis=1).sum())
+        noise = np.linalg.norm(V_true - V, axis=1).sum()
+        return -20 * np.log10(noise / np.linalg.norm(V_true, axis=1).sum())
 
     V = V_noisy
     curve = [snr(V)]
@@ -484,12 +484,12 @@ TAU, STEPS = 0.1, 25
 
 
 @check.part("best_stopping", 2, noisy_meshes)
-def best_time(student, V_noisy, V_clean, A):
+def best_time(student, V_noisy, V_true, A):
     """The time."""
-    curve = flow.snr_curve(V_noisy, V_clean, A, TAU, TAU * STEPS)
+    curve = flow.snr_curve(V_noisy, V_true, A, TAU, TAU * STEPS)
     best = curve[:, 1].argmax()
-    time, _ = two_numbers(student.best_stopping(V_noisy, V_clean, A, TAU, STEPS))
-    against_noisy = [noise.snr(V_noisy, V) for _, V in flow.heat(V_noisy, A, TAU, TAU * STEPS)]
+    time, _ = two_numbers(student.best_stopping(V_noisy, V_true, A, TAU, STEPS))
+    against_noisy = [metrics.snr(V_noisy, V) for _, V in flow.heat(V_noisy, A, TAU, TAU * STEPS)]
     mistakes = [
         ("This is the number of steps; the time is tau times that.", best),
         (
@@ -509,10 +509,10 @@ def best_time(student, V_noisy, V_clean, A):
 
 
 @check.part("best_stopping", 2, noisy_meshes)
-def best_snr(student, V_noisy, V_clean, A):
+def best_snr(student, V_noisy, V_true, A):
     """The SNR at that time."""
-    curve = flow.snr_curve(V_noisy, V_clean, A, TAU, TAU * STEPS)
-    _, snr = two_numbers(student.best_stopping(V_noisy, V_clean, A, TAU, STEPS))
+    curve = flow.snr_curve(V_noisy, V_true, A, TAU, TAU * STEPS)
+    _, snr = two_numbers(student.best_stopping(V_noisy, V_true, A, TAU, STEPS))
     mistakes = [
         ("This is the SNR of the noisy mesh.", curve[0, 1]),
         ("This is the SNR at the end of the flow.", curve[-1, 1]),
@@ -529,10 +529,10 @@ def meshes_that_heat_only_hurts(seed):
 
 
 @check.part("best_stopping", 1, meshes_that_heat_only_hurts)
-def best_time_is_zero(student, V_noisy, V_clean, A):
+def best_time_is_zero(student, V_noisy, V_true, A):
     """Time 0 where the flow never helps."""
     # The sphere is a little too large: some shrinking helps, a whole step is far too much.
-    time, _ = two_numbers(student.best_stopping(V_noisy, V_clean, A, TAU, STEPS))
+    time, _ = two_numbers(student.best_stopping(V_noisy, V_true, A, TAU, STEPS))
     hint = "Here every step makes it worse: the state before the first step is one to look at too."
     expect.that(abs(time) < 1e-9, hint, expected="time 0", came=f"time {time:.4g}")
 

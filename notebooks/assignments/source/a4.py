@@ -1,5 +1,5 @@
 # Instructor's file of assignment 4; `make assignments` makes the students' files from it.
-# Its cells are explained in meshfair.grading.source. Each kind of cell becomes a file of
+# Its cells are explained in meshfair_grading.source. Each kind of cell becomes a file of
 # its own, so names are imported once for each:
 # ruff: noqa: F811
 
@@ -22,13 +22,13 @@
 # %%
 # %load_ext autoreload
 # %autoreload 2
-# %load_ext meshfair.grading.notebook
+# %load_ext meshfair_grading.notebook
 import a4
 import numpy as np
 from a4_checks import check
 
 from meshfair import mesh, metrics, noise, operators, shapes, weights
-from meshfair.grading.notebook import show
+from meshfair_grading.notebook import show
 
 # %% [markdown]
 # ## Background
@@ -71,11 +71,11 @@ from scipy.sparse import csc_array, diags_array, eye_array
 from scipy.sparse.linalg import splu
 
 from meshfair import mesh, operators, shapes, weights
-from meshfair.grading import expect
-from meshfair.grading.assignment import Assignment, Rules
+from meshfair_grading import expect
+from meshfair_grading.assignment import Assignment, Rules
 
 ### BEGIN HIDDEN TESTS
-from meshfair.grading.meshes import unseen
+from meshfair_grading.meshes import unseen
 
 ### END HIDDEN TESTS
 
@@ -478,7 +478,7 @@ for name, (V, F) in (("sphere", shapes.icosphere(3)), ("knot", shapes.knot())):
     pictures = {"noisy": V_noisy, "implicit step": smooth, "with its volume": full}
     for title, X in pictures.items():
         lost = 100 * metrics.volume_change(X, V, F)
-        print(f"{name:8}{title:17}SNR {noise.snr(V, X):5.2f} dB, volume {lost:+6.1f} %")
+        print(f"{name:8}{title:17}SNR {metrics.snr(V, X):5.2f} dB, volume {lost:+6.1f} %")
 show(pictures, F, direction=(0, -1, 0.3))
 
 # %% [markdown]

@@ -1,5 +1,5 @@
 # Instructor's file of assignment 5; `make assignments` makes the students' files from it.
-# Its cells are explained in meshfair.grading.source. Each kind of cell becomes a file of
+# Its cells are explained in meshfair_grading.source. Each kind of cell becomes a file of
 # its own, so names are imported once for each:
 # ruff: noqa: F811
 
@@ -25,13 +25,13 @@
 # %%
 # %load_ext autoreload
 # %autoreload 2
-# %load_ext meshfair.grading.notebook
+# %load_ext meshfair_grading.notebook
 import a5
 import numpy as np
 from a5_checks import check, noisy_jet
 
 from meshfair import flow, operators, shapes, weights
-from meshfair.grading.notebook import show
+from meshfair_grading.notebook import show
 
 # %% [markdown]
 # ## Background
@@ -80,11 +80,11 @@ from meshfair import mesh, operators, weights
 import numpy as np
 
 from meshfair import noise, shapes
-from meshfair.grading import expect
-from meshfair.grading.assignment import Assignment, Graded, Rules
+from meshfair_grading import expect
+from meshfair_grading.assignment import Assignment, Graded, Rules
 
 ### BEGIN HIDDEN TESTS
-from meshfair.grading.meshes import disguised
+from meshfair_grading.meshes import disguised
 
 ### END HIDDEN TESTS
 
@@ -134,10 +134,10 @@ def jets(seed):
     ### END HIDDEN TESTS
 
 
-def decibels(V, V_noisy, V_clean, part):
+def decibels(V, V_noisy, V_true, part):
     """The gain on a part of the mesh."""
-    before = np.linalg.norm(V_noisy - V_clean, axis=1)[part].sum()
-    after = np.linalg.norm(V - V_clean, axis=1)[part].sum()
+    before = np.linalg.norm(V_noisy - V_true, axis=1)[part].sum()
+    after = np.linalg.norm(V - V_true, axis=1)[part].sum()
     return 20 * np.log10(before / max(after, 1e-12))
 
 
@@ -156,7 +156,7 @@ def decibels(V, V_noisy, V_clean, part):
 
 
 # %% module
-def gain(V, V_noisy, V_clean, part):
+def gain(V, V_noisy, V_true, part):
     """How much closer to the clean mesh a part has come, in decibels.
 
     V is the denoised mesh, part a boolean mask of shape (n,).
@@ -166,8 +166,8 @@ def gain(V, V_noisy, V_clean, part):
     float
     """
     ### BEGIN SOLUTION
-    before = np.linalg.norm(V_noisy - V_clean, axis=1)[part].sum()
-    after = np.linalg.norm(V - V_clean, axis=1)[part].sum()
+    before = np.linalg.norm(V_noisy - V_true, axis=1)[part].sum()
+    after = np.linalg.norm(V - V_true, axis=1)[part].sum()
     return 20 * np.log10(before / after)
     ### END SOLUTION
 
@@ -184,23 +184,23 @@ def three_meshes(seed):
 
 
 @check.part("gain", 4, three_meshes)
-def gain_is_right(student, V, V_noisy, V_clean, part):
+def gain_is_right(student, V, V_noisy, V_true, part):
     """The values, on a part of the mesh."""
     everywhere = np.ones(len(V), dtype=bool)
-    right = decibels(V, V_noisy, V_clean, part)
+    right = decibels(V, V_noisy, V_true, part)
     mistakes = [
         ("The sign is wrong: less error than before is a positive gain.", -right),
         ("This is the gain on the whole mesh: the part is not used.",
-         decibels(V, V_noisy, V_clean, everywhere)),
+         decibels(V, V_noisy, V_true, everywhere)),
         ("This is the gain on all vertices but those of the part.",
-         decibels(V, V_noisy, V_clean, ~part)),
+         decibels(V, V_noisy, V_true, ~part)),
         ("You took the natural logarithm: decibels take np.log10.", right * np.log(10)),
         ("The factor is 20, not 10.", right / 2),
         ("This is the ratio itself: its logarithm is missing.", 10 ** (right / 20)),
         ("You measured how far the filter has moved the vertices, not how far they are from "
-         "the clean mesh.", decibels(V, V_clean, V_noisy, part)),
+         "the clean mesh.", decibels(V, V_true, V_noisy, part)),
     ]  # fmt: skip
-    expect.close(student.gain(V, V_noisy, V_clean, part), right, "the gain", mistakes=mistakes)
+    expect.close(student.gain(V, V_noisy, V_true, part), right, "the gain", mistakes=mistakes)
 
 
 # %%

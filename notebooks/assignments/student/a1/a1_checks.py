@@ -3,9 +3,9 @@
 import numpy as np
 
 from meshfair import mesh, shapes
-from meshfair.grading import expect
-from meshfair.grading.answers import Seeded
-from meshfair.grading.assignment import Assignment
+from meshfair_grading import expect
+from meshfair_grading.answers import Seeded
+from meshfair_grading.assignment import Assignment
 
 check = Assignment("a1", "Noise, normals and SNR", seed=2021)
 

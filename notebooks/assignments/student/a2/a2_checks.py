@@ -4,8 +4,8 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array, diags_array, triu
 
 from meshfair import mesh, operators, shapes, weights
-from meshfair.grading import expect
-from meshfair.grading.assignment import Assignment
+from meshfair_grading import expect
+from meshfair_grading.assignment import Assignment
 
 check = Assignment("a2", "Three weights", seed=2022)
 
@@ -60,7 +60,7 @@ def check_symmetric(W, F):
 def check_edges(student, F):
     """Compare the rows as a set, with hints."""
     came = student.edges(F)
-    expected = mesh.edges(F)[0]
+    expected = mesh.Edges(F).ends
     count = f"{len(expected)} rows (i, j), i < j"
     E = expect.array(came, "the array of edges")
     expect.that(

@@ -48,7 +48,7 @@ def largest_stable_step(A):
     raise NotImplementedError
 
 
-def best_stopping(V_noisy, V_clean, A, tau, steps):
+def best_stopping(V_noisy, V_true, A, tau, steps):
     """When the heat flow is closest to the clean mesh.
 
     Returns

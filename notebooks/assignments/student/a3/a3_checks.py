@@ -3,9 +3,9 @@
 import numpy as np
 from scipy.sparse import csr_array, diags_array, eye_array
 
-from meshfair import flow, noise, operators, shapes, weights
-from meshfair.grading import expect
-from meshfair.grading.assignment import Assignment, Rules
+from meshfair import flow, metrics, noise, operators, shapes, weights
+from meshfair_grading import expect
+from meshfair_grading.assignment import Assignment, Rules
 
 check = Assignment("a3", "Averaging and heat", seed=2023, rules=Rules(forbidden=("inv", "pinv")))
 
@@ -195,12 +195,12 @@ TAU, STEPS = 0.1, 25
 
 
 @check.part("best_stopping", 2, noisy_meshes)
-def best_time(student, V_noisy, V_clean, A):
+def best_time(student, V_noisy, V_true, A):
     """The time."""
-    curve = flow.snr_curve(V_noisy, V_clean, A, TAU, TAU * STEPS)
+    curve = flow.snr_curve(V_noisy, V_true, A, TAU, TAU * STEPS)
     best = curve[:, 1].argmax()
-    time, _ = two_numbers(student.best_stopping(V_noisy, V_clean, A, TAU, STEPS))
-    against_noisy = [noise.snr(V_noisy, V) for _, V in flow.heat(V_noisy, A, TAU, TAU * STEPS)]
+    time, _ = two_numbers(student.best_stopping(V_noisy, V_true, A, TAU, STEPS))
+    against_noisy = [metrics.snr(V_noisy, V) for _, V in flow.heat(V_noisy, A, TAU, TAU * STEPS)]
     mistakes = [
         ("This is the number of steps; the time is tau times that.", best),
         (
@@ -220,10 +220,10 @@ def best_time(student, V_noisy, V_clean, A):
 
 
 @check.part("best_stopping", 2, noisy_meshes)
-def best_snr(student, V_noisy, V_clean, A):
+def best_snr(student, V_noisy, V_true, A):
     """The SNR at that time."""
-    curve = flow.snr_curve(V_noisy, V_clean, A, TAU, TAU * STEPS)
-    _, snr = two_numbers(student.best_stopping(V_noisy, V_clean, A, TAU, STEPS))
+    curve = flow.snr_curve(V_noisy, V_true, A, TAU, TAU * STEPS)
+    _, snr = two_numbers(student.best_stopping(V_noisy, V_true, A, TAU, STEPS))
     mistakes = [
         ("This is the SNR of the noisy mesh.", curve[0, 1]),
         ("This is the SNR at the end of the flow.", curve[-1, 1]),
@@ -240,9 +240,9 @@ def meshes_that_heat_only_hurts(seed):
 
 
 @check.part("best_stopping", 1, meshes_that_heat_only_hurts)
-def best_time_is_zero(student, V_noisy, V_clean, A):
+def best_time_is_zero(student, V_noisy, V_true, A):
     """Time 0 where the flow never helps."""
     # The sphere is a little too large: some shrinking helps, a whole step is far too much.
-    time, _ = two_numbers(student.best_stopping(V_noisy, V_clean, A, TAU, STEPS))
+    time, _ = two_numbers(student.best_stopping(V_noisy, V_true, A, TAU, STEPS))
     hint = "Here every step makes it worse: the state before the first step is one to look at too."
     expect.that(abs(time) < 1e-9, hint, expected="time 0", came=f"time {time:.4g}")

@@ -5,8 +5,8 @@ from scipy.sparse import csc_array, diags_array, eye_array
 from scipy.sparse.linalg import splu
 
 from meshfair import mesh, operators, shapes, weights
-from meshfair.grading import expect
-from meshfair.grading.assignment import Assignment, Rules
+from meshfair_grading import expect
+from meshfair_grading.assignment import Assignment, Rules
 
 check = Assignment(
     "a4",

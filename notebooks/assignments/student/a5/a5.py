@@ -9,7 +9,7 @@ import numpy as np
 from meshfair import mesh, operators, weights
 
 
-def gain(V, V_noisy, V_clean, part):
+def gain(V, V_noisy, V_true, part):
     """How much closer to the clean mesh a part has come, in decibels.
 
     V is the denoised mesh, part a boolean mask of shape (n,).

@@ -3,8 +3,8 @@
 import numpy as np
 
 from meshfair import noise, shapes
-from meshfair.grading import expect
-from meshfair.grading.assignment import Assignment, Graded, Rules
+from meshfair_grading import expect
+from meshfair_grading.assignment import Assignment, Graded, Rules
 
 check = Assignment(
     "a5",
@@ -45,10 +45,10 @@ def jets(seed):
     yield "the jet", V_noisy, V, F, missiles
 
 
-def decibels(V, V_noisy, V_clean, part):
+def decibels(V, V_noisy, V_true, part):
     """The gain on a part of the mesh."""
-    before = np.linalg.norm(V_noisy - V_clean, axis=1)[part].sum()
-    after = np.linalg.norm(V - V_clean, axis=1)[part].sum()
+    before = np.linalg.norm(V_noisy - V_true, axis=1)[part].sum()
+    after = np.linalg.norm(V - V_true, axis=1)[part].sum()
     return 20 * np.log10(before / max(after, 1e-12))
 
 
@@ -60,23 +60,23 @@ def three_meshes(seed):
 
 
 @check.part("gain", 4, three_meshes)
-def gain_is_right(student, V, V_noisy, V_clean, part):
+def gain_is_right(student, V, V_noisy, V_true, part):
     """The values, on a part of the mesh."""
     everywhere = np.ones(len(V), dtype=bool)
-    right = decibels(V, V_noisy, V_clean, part)
+    right = decibels(V, V_noisy, V_true, part)
     mistakes = [
         ("The sign is wrong: less error than before is a positive gain.", -right),
         ("This is the gain on the whole mesh: the part is not used.",
-         decibels(V, V_noisy, V_clean, everywhere)),
+         decibels(V, V_noisy, V_true, everywhere)),
         ("This is the gain on all vertices but those of the part.",
-         decibels(V, V_noisy, V_clean, ~part)),
+         decibels(V, V_noisy, V_true, ~part)),
         ("You took the natural logarithm: decibels take np.log10.", right * np.log(10)),
         ("The factor is 20, not 10.", right / 2),
         ("This is the ratio itself: its logarithm is missing.", 10 ** (right / 20)),
         ("You measured how far the filter has moved the vertices, not how far they are from "
-         "the clean mesh.", decibels(V, V_clean, V_noisy, part)),
+         "the clean mesh.", decibels(V, V_true, V_noisy, part)),
     ]  # fmt: skip
-    expect.close(student.gain(V, V_noisy, V_clean, part), right, "the gain", mistakes=mistakes)
+    expect.close(student.gain(V, V_noisy, V_true, part), right, "the gain", mistakes=mistakes)
 
 
 def gains(student, V_noisy, V, F, missiles):

@@ -1,0 +1,46 @@
+"""Compiled loops for large meshes: private, and never the only form of anything.
+
+Each loop computes what a public function says in NumPy, and a test holds the
+one to the other (``tests/test_fast_equals_plain.py``). The public function
+chooses by the size of the mesh alone:
+
+    if _fast.wanted(len(V)):
+        return _fast.flow.average(V, A, iterations, fixed)
+
+so that the same mesh gives the same digits wherever numba is installed. The
+loops, and numba with them, are loaded when a large mesh first asks for them.
+"""
+
+from functools import cache
+from importlib import import_module
+from typing import Any
+
+# Rows (vertices or faces) from which on the loops repay the half second that numba
+# takes to load: below, NumPy does the work of a notebook's mesh in less than that.
+ROWS = 20_000
+
+_MODULES = (
+    "cg", "compiled", "faces", "filters", "flow", "kernels", "multigrid", "operators", "ordering",
+    "pattern", "stability", "weights",
+)  # fmt: skip
+
+
+@cache
+def available() -> bool:
+    """Whether numba, the optional extra ``fast``, can be imported."""
+    try:
+        import_module("numba")
+    except ImportError:
+        return False
+    return True
+
+
+def wanted(rows: int) -> bool:
+    """Whether a mesh of this many rows is worth the compiled loops, and they are there."""
+    return rows >= ROWS and available()
+
+
+def __getattr__(name: str) -> Any:
+    if name in _MODULES:
+        return import_module(f"meshfair._fast.{name}")
+    raise AttributeError(f"module 'meshfair._fast' has no attribute {name!r}")

@@ -1,0 +1,123 @@
+"""Steps of the flow: the sums over neighbours, the mixing and the SNR in one pass.
+
+On a large mesh a step waits for memory. So each loop also checks what it reads
+on its way, instead of a pass of its own, and long flows first number the
+vertices so that neighbours are near in memory.
+"""
+
+import numpy as np
+
+from meshfair._fast import ordering
+from meshfair._fast.kernels import compiled, on_all_cores, unsigned
+from meshfair.checks import check_square
+
+# From so many iterations on, on a mesh whose positions outgrow the caches, ordering
+# the vertices for locality first is repaid.
+ITERATIONS_WORTH_ORDERING = 8
+VERTICES_WORTH_ORDERING = 100_000
+
+
+def average(V, A, iterations, fixed):
+    """As `meshfair.flow.average`; the entries of A need not have been checked."""
+    order, A = _order_for(A, iterations)
+    X, fixed = _in_order(order, V if iterations else V.copy(), fixed)
+    Y = np.empty_like(V)
+    for _ in range(iterations):
+        _step(A, X, 1.0, fixed, Y)
+        X, Y = Y, np.empty_like(V) if X is V else X  # V itself is not ours to write to
+    return X if order is None else ordering.put_back(X, order, Y)
+
+
+def step(V, A, tau, fixed):
+    """As a step of `meshfair.flow.heat`; the entries of A need not have been checked."""
+    V_next = np.empty_like(V)
+    _step(A, V, tau, fixed, V_next)
+    return V_next
+
+
+def distances(V, V_true, A, tau, iterations, fixed):
+    """Yield sum_i |v_i - v_true_i| before the flow, and after each step."""
+    order, A = _order_for(A, iterations)
+    X, V_true, fixed = _in_order(order, V.copy(), V_true, fixed)
+    Y = np.empty_like(X)
+    yield _step(A, X, tau, np.ones_like(fixed), Y, V_true)  # all fixed: nothing moves
+    for _ in range(iterations):
+        yield _step(A, X, tau, fixed, Y, V_true)
+        X, Y = Y, X
+
+
+def _order_for(A, iterations):
+    """An order and the operator in it; None and the operator as it is where that is quicker."""
+    few = iterations < ITERATIONS_WORTH_ORDERING or A.shape[0] < VERTICES_WORTH_ORDERING
+    if few or ordering.is_near(A):
+        return None, A
+    return ordering.nearby(check_square(A))
+
+
+def _in_order(order, *of_vertices):
+    if order is None:
+        return of_vertices
+    return tuple(ordering.take(X, order) for X in of_vertices)
+
+
+def _step(A, V, tau, fixed, V_next, V_true=None):
+    """Write one step to V_next; return sum_i |v_i - v_true_i| if V_true is given."""
+    rows = (*unsigned(A.indptr, A.indices), A.data)
+    if tau == 1 and V_true is None and not fixed.any():
+        sound = on_all_cores(_average, len(V), *rows, V, V_next)
+        distance = None
+    else:
+        V_true = np.empty((0, 3)) if V_true is None else V_true
+        sound, distance = np.transpose(
+            on_all_cores(_flow, len(V), *rows, V, tau, fixed, V_next, V_true)
+        )
+    if not np.all(sound):
+        check_square(A)  # says what is wrong with it; else the flow has outgrown all numbers
+    return None if distance is None else distance.sum()
+
+
+@compiled(fused=True)
+def row_product(start, stop, indices, A, V):
+    """sum_j a_ij v_j over the entries of a row, and whether all its columns exist."""
+    x = y = z = 0.0
+    sound = True
+    for p in range(start, stop):
+        a, j = A[p], indices[p]
+        if j >= len(V):
+            sound = False
+            continue
+        x += a * V[j, 0]
+        y += a * V[j, 1]
+        z += a * V[j, 2]
+    return x, y, z, sound
+
+
+@compiled(fused=True)
+def _average(first, last, indptr, indices, A, V, V_next):
+    """v+_i = sum_j a_ij v_j: `_flow` for tau = 1 and nothing fixed, with less to do per row."""
+    sound = True
+    for i in range(first, last):
+        x, y, z, exist = row_product(indptr[i], indptr[i + 1], indices, A, V)
+        V_next[i, 0], V_next[i, 1], V_next[i, 2] = x, y, z
+        sound &= exist & (abs(x) + abs(y) + abs(z) < np.inf)
+    return sound
+
+
+@compiled(fused=True)
+def _flow(first, last, indptr, indices, A, V, tau, fixed, V_next, V_true):
+    """v+_i = (1 - tau) v_i + tau sum_j a_ij v_j, but v+_i = v_i where fixed."""
+    sound, distance = True, 0.0
+    for i in range(first, last):
+        x, y, z, exist = row_product(indptr[i], indptr[i + 1], indices, A, V)
+        sound &= exist & (abs(x) + abs(y) + abs(z) < np.inf)
+        if fixed[i]:
+            x, y, z = V[i, 0], V[i, 1], V[i, 2]
+        else:
+            x = (1 - tau) * V[i, 0] + tau * x
+            y = (1 - tau) * V[i, 1] + tau * y
+            z = (1 - tau) * V[i, 2] + tau * z
+        V_next[i, 0], V_next[i, 1], V_next[i, 2] = x, y, z
+        if len(V_true):
+            dx, dy, dz = x - V_true[i, 0], y - V_true[i, 1], z - V_true[i, 2]
+            distance += np.sqrt(dx * dx + dy * dy + dz * dz)
+    return sound, distance

@@ -1,0 +1,65 @@
+"""Repair a mesh: only what is asked for is done, in the order of the options.
+
+`meshfair info` says what is wrong.
+"""
+
+from meshfair.cli import files, printing
+
+
+def add_arguments(parser):
+    """Declare the subcommand's arguments."""
+    files.add_input(parser, "in")
+    files.add_output(parser)
+    parser.add_argument(
+        "--weld",
+        type=float,
+        metavar="DISTANCE",
+        help="join vertices up to so many mean edge lengths apart; 0: in the same place",
+    )
+    parser.add_argument("--degenerate", action="store_true", help="drop faces without area")
+    parser.add_argument("--duplicates", action="store_true", help="drop repeated faces")
+    parser.add_argument(
+        "--orient", choices=("consistent", "outward"), help="turn faces over until they agree"
+    )
+    parser.add_argument(
+        "--split", action="store_true", help="cut apart non-manifold edges and vertices"
+    )
+    parser.add_argument(
+        "--unreferenced", action="store_true", help="drop vertices that no face uses"
+    )
+    files.add_reading(parser)
+    files.add_json(parser)
+
+
+def run(options):
+    """Read, repair, write, and say what was done.
+
+    Returns
+    -------
+    int
+        0 where the mesh was written.
+    """
+    from meshfair import mesh
+
+    source = vars(options)["in"]
+    files.check_output(options.out, [source], options.force)
+    V, F = files.read(source, options)
+    steps = ("weld", "degenerate", "duplicates", "orient", "split", "unreferenced")
+    repaired = mesh.repair(V, F, **{name: getattr(options, name) for name in steps})
+    files.write(options.out, repaired.V, repaired.F, [source], options.force)
+    if options.json:
+        printing.print_json(
+            {
+                "out": options.out,
+                "vertices": len(repaired.V),
+                "faces": len(repaired.F),
+                "steps": [step._asdict() for step in repaired.report],
+            }
+        )
+    else:
+        for step in repaired.report:
+            print(step.told)
+        if not repaired.report:
+            print("nothing was asked for, so nothing was changed")
+        print(f"{options.out}: {len(repaired.V):,} vertices, {len(repaired.F):,} faces")
+    return 0

@@ -1,0 +1,155 @@
+"""The edges of a triangle mesh: one structure for all who ask for them."""
+
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.sparse import coo_array, csr_array
+
+from meshfair import _fast
+from meshfair.checks import Floats, Integers, check_faces
+from meshfair.mesh.duplicates import unique_faces
+
+
+def half_edges(F: Integers) -> Integers:
+    """The three directed edges of each triangle.
+
+    Parameters
+    ----------
+    F : ndarray of int64, shape (m, 3)
+
+    Returns
+    -------
+    ndarray of int64, shape (3m, 2)
+        Rows 0 .. m-1 are the edges opposite each triangle's first corner,
+        then those opposite its second, then its third.
+    """
+    return np.concatenate([F[:, [1, 2]], F[:, [2, 0]], F[:, [0, 1]]])
+
+
+class Edges:
+    """The edges of a list of triangles, each once, with the half-edges on it.
+
+    A flow that moves the vertices asks for them once, and builds its weights
+    on them again and again: the faces alone decide, not where vertices are.
+
+    Parameters
+    ----------
+    F : array_like of integers, shape (m, 3)
+        Not to be changed while the edges are in use. A face that is stored
+        twice counts once.
+    n : int, optional
+        Number of vertices; if it is not given, as many as ``F`` names.
+
+    Attributes
+    ----------
+    n : int
+        Number of vertices.
+
+    Raises
+    ------
+    MeshError
+        No triangles, or an index outside 0 .. n - 1.
+    """
+
+    def __init__(self, F: ArrayLike, n: int | None = None) -> None:
+        self.n = int(np.max(F, initial=0)) + 1 if n is None else n
+        self._stored = check_faces(F, self.n)
+
+    @classmethod
+    def of_all(cls, F: Integers, n: int) -> Self:
+        """The edges of checked faces, or of none, where duplicates count each."""
+        edges = cls.__new__(cls)
+        edges.n, edges._stored = n, F
+        edges.F = F
+        return edges
+
+    @cached_property
+    def F(self) -> Integers:
+        """The faces, each once; int64, shape (m', 3)."""
+        return unique_faces(self._stored)
+
+    @cached_property
+    def _groups(self) -> tuple[Integers, Integers, Integers]:
+        """Half-edges sorted into edges: `ends`, `start`, `half_edges`."""
+        H = half_edges(self.F)
+        # One integer for each edge sorts many times faster than rows of two.
+        low, high = np.minimum(H[:, 0], H[:, 1]), np.maximum(H[:, 0], H[:, 1])
+        keys = low * self.n + high
+        order = np.argsort(keys, kind="stable")
+        keys = keys[order]
+        if (loop := low == high).any():  # only a face that names a vertex twice has such a side
+            proper = ~loop[order]
+            order, keys = order[proper], keys[proper]
+        first = np.flatnonzero(np.diff(keys, prepend=-1))
+        ends = np.column_stack(np.divmod(keys[first], self.n))
+        return ends, np.append(first, len(keys)), order
+
+    @property
+    def ends(self) -> Integers:
+        """Rows (i, j) with i < j, sorted; int64, shape (k, 2)."""
+        return self._groups[0]
+
+    @property
+    def start(self) -> Integers:
+        """Edge e has the half-edges ``half_edges[start[e]:start[e + 1]]``; shape (k + 1,)."""
+        return self._groups[1]
+
+    @property
+    def half_edges(self) -> Integers:
+        """Rows of `half_edges`, grouped by edge, in rising order within each."""
+        return self._groups[2]
+
+    @property
+    def faces_of_edge(self) -> Integers:
+        """How many faces each edge has: 1 on the boundary, 2 inside; int64, shape (k,)."""
+        return np.diff(self.start)
+
+    @property
+    def of_half_edge(self) -> Integers:
+        """The edge that each of the grouped half-edges lies on."""
+        return np.repeat(np.arange(len(self)), self.faces_of_edge)
+
+    @cached_property
+    def sparsity(self) -> Any:
+        """Where the entries of `matrix` stand, found by compiled loops for large meshes."""
+        return _fast.pattern.Pattern(self._stored, self.n)
+
+    def __len__(self) -> int:
+        """The number of edges k."""
+        return len(self.ends)
+
+    def lengths(self, V: Floats) -> Floats:
+        """The length |v_i - v_j| of each edge; float64, shape (k,)."""
+        i, j = self.ends.T
+        return np.linalg.norm(V[i] - V[j], axis=1)
+
+    def sums(self, X: Floats) -> Floats:
+        """Add up a value of each half-edge on its edge.
+
+        Parameters
+        ----------
+        X : ndarray, shape (3, m')
+            X[c, f] belongs to the side of face f that lies opposite its corner c.
+
+        Returns
+        -------
+        ndarray of float64, shape (k,)
+        """
+        return np.bincount(self.of_half_edge, X.ravel()[self.half_edges], minlength=len(self))
+
+    def matrix(self, w: Floats) -> csr_array:
+        """The symmetric matrix with w_e at (i, j) and at (j, i) for each edge e = (i, j).
+
+        Parameters
+        ----------
+        w : ndarray of float64, shape (k,)
+
+        Returns
+        -------
+        csr_array of float64, shape (n, n)
+        """
+        i, j = self.ends.T
+        rows, columns = np.concatenate([i, j]), np.concatenate([j, i])
+        return coo_array((np.tile(w, 2), (rows, columns)), shape=(self.n, self.n)).tocsr()

@@ -1,0 +1,25 @@
+"""Assignments that check themselves, and the marking of a class.
+
+The same checks run in two places. In the student's notebook they run in the
+notebook's own process, on meshes that the student sees; in ``meshfair grade``
+the student's code runs in a process of its own with limits, and the checks,
+in the teacher's process, send it meshes that the student has not seen.
+
+==============  ==========================================================
+``source``      an instructor's file, and the student's files made from it
+``assignment``  tasks, points, checks; marks a student
+``expect``      comparisons that explain what is wrong
+``students``    a student's functions, in this process or in another one
+``answers``     what a function returned, as plain data
+``rules``       which imports and calls an assignment allows
+``meshes``      the meshes that students have not seen
+``wire``        plain data between the two processes
+``isolation``   limits, namespaces: the walls around the other process
+``landlock``    which files it may read and write
+``child``       what runs inside
+``marking``     a whole class: in parallel, going on where it stopped
+``feedback``    the report as text, Markdown and HTML
+``notebook``    pictures of a student's result
+``generate``    ``python -m meshfair_grading.generate``
+==============  ==========================================================
+"""

@@ -1,0 +1,198 @@
+"""An assignment: its tasks, their points, and the checks that give them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+
+from meshfair_grading.expect import WrongAnswerError
+from meshfair_grading.feedback import Report
+from meshfair_grading.rules import Rules
+from meshfair_grading.students import NotDoneError, NotebookStudent
+
+# What right values are worth that cost the caller the input.
+SHARE_IN_PLACE = 0.5
+
+
+@dataclass(frozen=True)
+class Graded:
+    """What a check returns that gives a part of its points."""
+
+    share: float
+    """0 to 1 of the points."""
+    hint: str = ""
+    expected: str = ""
+    came: str = ""
+    metric: float | None = None
+    """A figure for the leaderboard; larger is better."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one check found."""
+
+    task: str
+    title: str
+    points: float
+    earned: float
+    status: str
+    """right, partly, wrong or not done."""
+    hint: str = ""
+    expected: str = ""
+    came: str = ""
+    metric: float | None = None
+
+
+@dataclass(frozen=True)
+class Check:
+    """A part of a task, with points of its own."""
+
+    task: str
+    title: str
+    points: float
+    cases: Callable
+    run: Callable
+
+
+class Assignment:
+    """Tasks and checks, and how to mark a student with them.
+
+    In the student's notebook it is called: ``check("edges")`` shows the report
+    of one task, ``check()`` that of all.
+
+    Parameters
+    ----------
+    name : str
+        Such as ``a2``: also the name of the student's module.
+    title : str
+    rules : Rules
+        Which imports and calls are allowed.
+    seed : int
+        For the meshes that the student sees. Teachers give another one to
+        ``meshfair grade``.
+
+    Attributes
+    ----------
+    module : str
+        Name of the module with the student's functions, where they are not
+        those of a submission.
+    """
+
+    def __init__(self, name, title, *, rules=None, seed=0):
+        self.name, self.title, self.seed = name, title, seed
+        self.rules = rules or Rules()
+        self.module = name
+        self.checks = []
+        self._cases = {}
+
+    def part(self, task, points, cases):
+        """Decorator: a function becomes a check, its docstring the check's title.
+
+        Parameters
+        ----------
+        task : str
+            Name of the student's function.
+        points : float
+        cases : callable
+            ``cases(seed)`` yields tuples: what is being tried, then the
+            arguments of the check, which is called with the student before
+            them. Points are given when every case passes.
+
+        Returns
+        -------
+        callable
+            The function is left as it is. It raises `WrongAnswerError`, or
+            returns None for full points, or a `Graded`.
+        """
+
+        def register(run):
+            title = run.__doc__.partition("\n")[0].rstrip(".")
+            # Checks with the same cases get the same meshes.
+            made = self._cases.setdefault(cases, cache(lambda seed: list(cases(seed))))
+            self.checks.append(Check(task, title, points, made, run))
+            return run
+
+        return register
+
+    @property
+    def tasks(self):
+        """Points of each task, in order.
+
+        Returns
+        -------
+        dict of str to float
+        """
+        tasks = {}
+        for check in self.checks:
+            tasks[check.task] = tasks.get(check.task, 0) + check.points
+        return tasks
+
+    def mark(self, student, seed, task=None):
+        """Run the checks on a student's functions.
+
+        Parameters
+        ----------
+        student : meshfair_grading.students.Student
+        seed : int
+        task : str, optional
+            Run this task's checks only.
+
+        Returns
+        -------
+        list of Outcome
+            One for each check, in their order.
+        """
+        chosen = [check for check in self.checks if task in (None, check.task)]
+        return [_outcome(check, student, seed) for check in chosen]
+
+    def __call__(self, task=None):
+        """Check what is in the notebook's module now, and report."""
+        if task is not None and task not in self.tasks:
+            raise ValueError(f"no task {task!r}; the tasks are {', '.join(self.tasks)}")
+        student = NotebookStudent(self.module, self.rules)
+        return Report(f"{self.name} · {task or self.title}", self.mark(student, self.seed, task))
+
+    def points(self, task):
+        """The points of one task, which nbgrader takes as a cell's partial credit."""
+        return self(task).earned
+
+
+def _outcome(check, student, seed):
+    """Run one check on all its cases; the one with the smallest share decides."""
+    outcome = Outcome(check.task, check.title, check.points, 0.0, "wrong")
+    student.changed = []
+    found = []
+    for tried, *arguments in check.cases(seed):
+        try:
+            found.append((check.run(student, *arguments) or Graded(1.0), tried))
+        except NotDoneError as error:
+            return replace(outcome, status="not done", hint=str(error))
+        except WrongAnswerError as wrong:
+            hint = f"On {tried}: {wrong.hint}"
+            return replace(outcome, hint=hint, expected=wrong.expected, came=wrong.came)
+        except OSError:  # no process could be started: this machine's fault, not the student's
+            raise
+        except Exception as error:  # an answer so odd that the check trips over it
+            told = f"{type(error).__name__}: {error}"
+            hint = f"On {tried}: the check cannot make sense of your answer ({told})."
+            return replace(outcome, hint=hint)
+    graded, tried = min(found, key=lambda pair: (pair[0].share, pair[0].metric or 0.0))
+    outcome = replace(
+        outcome,
+        earned=round(2 * check.points * graded.share) / 2,  # half points
+        hint=f"On {tried}: {graded.hint}" if graded.hint else "",
+        expected=graded.expected,
+        came=graded.came,
+        metric=graded.metric,
+    )
+    if student.changed and outcome.earned:
+        function, place = student.changed[0]
+        outcome = replace(
+            outcome,
+            earned=SHARE_IN_PLACE * outcome.earned,
+            hint=f"The values are right, but `{function}` changed its argument number {place + 1} "
+            "in place, and the caller's mesh with it: work on a copy.",
+            expected="arguments as they were",
+            came="changed arguments",
+        )
+    full = outcome.earned == outcome.points
+    return replace(outcome, status="right" if full else "partly" if outcome.earned else "wrong")

@@ -1,0 +1,364 @@
+"""Mark a class: every submission by itself, in parallel, going on where it stopped."""
+
+import csv
+import hashlib
+import io
+import json
+import os
+import stat
+import tempfile
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+from meshfair_grading.answers import Failure
+from meshfair_grading.assignment import Outcome
+from meshfair_grading.feedback import Report
+from meshfair_grading.students import Submission
+
+LARGEST_FILE = 1_000_000
+RECORDS = "records"
+
+
+@dataclass(frozen=True)
+class HandedIn:
+    """What was found for one student."""
+
+    student: str
+    path: Path | None
+    remark: str = ""
+
+
+def find(folder, assignment):
+    """Find the submissions in a folder.
+
+    Each student has a folder named by their identity, with ``a2.py`` in it or
+    in its subfolder ``a2`` (nbgrader's layout), or else a file of their own
+    beside the others, ``IDENTITY.py``.
+
+    Parameters
+    ----------
+    folder : path
+    assignment : str
+
+    Returns
+    -------
+    list of HandedIn
+        Sorted by student.
+
+    Raises
+    ------
+    ValueError
+        No submission there at all.
+    """
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise ValueError(f"{folder} is no folder; give the one with the submissions")
+    found = []
+    for entry in sorted(folder.iterdir()):
+        if entry.name.startswith((".", "__")):  # .DS_Store, __MACOSX, __pycache__
+            continue
+        if entry.is_dir():
+            found.append(_in_folder(entry, assignment))
+        elif entry.suffix == ".py":
+            found.append(HandedIn(entry.stem, entry))
+    if not found:
+        raise ValueError(f"{folder} holds neither folders of students nor .py files")
+    twice = {one.student for one in found if sum(o.student == one.student for o in found) > 1}
+    if twice:
+        raise ValueError(f"{folder} has a folder and a file of {', '.join(sorted(twice))}")
+    return found
+
+
+def _in_folder(folder, assignment):
+    name = f"{assignment}.py"
+    for path in (folder / name, folder / assignment / name):
+        if path.is_file():
+            return HandedIn(folder.name, path)
+    others = sorted(folder.glob("*.py"))
+    if len(others) == 1:
+        remark = f"The file is called {others[0].name}; call it {name} the next time."
+        return HandedIn(folder.name, others[0], remark)
+    return HandedIn(folder.name, None, f"There is no {name} in the folder.")
+
+
+@dataclass(frozen=True)
+class Mark:
+    """One student's result."""
+
+    student: str
+    outcomes: list
+    status: str
+    """graded, or in a few words why not."""
+    remarks: list
+    printed: str = ""
+
+    def report(self, assignment):
+        """The feedback for the student.
+
+        Returns
+        -------
+        meshfair_grading.feedback.Report
+        """
+        heading = f"{assignment.name} · {assignment.title} · {self.student}"
+        return Report(heading, self.outcomes, self.remarks, self.printed)
+
+    @property
+    def metric(self):
+        """The figure for the leaderboard, or None."""
+        return next((o.metric for o in self.outcomes if o.metric is not None), None)
+
+
+def mark(handed_in, assignment, isolation, seed):
+    """Mark one submission.
+
+    Parameters
+    ----------
+    handed_in : HandedIn
+    assignment : meshfair_grading.assignment.Assignment
+    isolation : meshfair_grading.isolation.Isolation
+    seed : int
+
+    Returns
+    -------
+    Mark
+        Whatever the submission does, it is told here and costs nobody else.
+    """
+    remarks = [handed_in.remark] if handed_in.remark else []
+    try:
+        source = _read(handed_in)
+    except ValueError as error:
+        return Mark(handed_in.student, _nothing(assignment), str(error), [*remarks, str(error)])
+    with Submission(source, assignment.name, assignment.rules, isolation) as student:
+        outcomes = assignment.mark(student, seed)
+    broken = student.whole_file
+    status = "graded"
+    if broken:
+        where = f" (line {broken.line}: {broken.code})" if broken.line else ""
+        remarks.append(f"The file could not be loaded: {broken.message}{where}")
+        status = _status(broken)
+    return Mark(handed_in.student, outcomes, status, remarks, student.printed)
+
+
+def _status(broken: Failure):
+    """The kind of a failure of the whole file, in our own words: it goes into the CSV."""
+    if broken.kind == "not allowed":
+        return "forbidden import"
+    kinds = {"SyntaxError": "syntax error", "UnicodeDecodeError": "not UTF-8"}
+    return kinds.get(broken.message.partition(":")[0], "could not be loaded")
+
+
+def _read(handed_in):
+    if handed_in.path is None:
+        raise ValueError("nothing handed in")
+    status = os.lstat(handed_in.path)
+    if not stat.S_ISREG(status.st_mode):
+        raise ValueError("not a regular file")
+    if status.st_size > LARGEST_FILE:
+        raise ValueError(f"a file of more than {LARGEST_FILE / 1e6:g} MB")
+    return handed_in.path.read_bytes()
+
+
+def _nothing(assignment):
+    return [Outcome(c.task, c.title, c.points, 0.0, "wrong") for c in assignment.checks]
+
+
+class Gradebook:
+    """The results of a class, on the disk: a record for each student, and the tables.
+
+    Parameters
+    ----------
+    out : path
+        The CSV; feedback and records go into the folder ``<its name>_feedback``.
+    assignment : meshfair_grading.assignment.Assignment
+    """
+
+    def __init__(self, out, assignment):
+        self.out = Path(out)
+        self.feedback = self.out.with_name(f"{self.out.stem}_feedback")
+        self.assignment = assignment
+        (self.feedback / RECORDS).mkdir(parents=True, exist_ok=True)
+
+    def known(self, student, key):
+        """The mark of an earlier run, or None where something has changed since.
+
+        Parameters
+        ----------
+        student : str
+        key : str
+            Fingerprint of all that decides the mark.
+
+        Returns
+        -------
+        Mark or None
+        """
+        try:
+            record = json.loads(self._record(student).read_text(encoding="utf-8"))
+            if record.pop("key") != key:
+                return None
+            record["outcomes"] = [Outcome(**outcome) for outcome in record["outcomes"]]
+            return Mark(**record)
+        except (OSError, ValueError, KeyError, TypeError):
+            return None
+
+    def add(self, mark, key):
+        """Keep a mark: the feedback first, then the record, which makes it final."""
+        report = mark.report(self.assignment)
+        write(self.feedback / f"{mark.student}.html", report.page())
+        write(self.feedback / f"{mark.student}.md", report.markdown())
+        record = json.dumps({**asdict(mark), "key": key}, indent=1)
+        write(self._record(mark.student), record)
+
+    def write_tables(self, marks):
+        """Write the CSV, and the leaderboard where the assignment has one.
+
+        Parameters
+        ----------
+        marks : sequence of Mark
+        """
+        tasks = self.assignment.tasks
+        metric = any(mark.metric is not None for mark in marks)
+        header = ["student", "points", "of", *tasks, "status"] + ["leaderboard"] * metric
+        rows = []
+        for one in marks:
+            row = [one.student, _sum(one.outcomes), f"{sum(tasks.values()):g}"]
+            row += [_sum(o for o in one.outcomes if o.task == task) for task in tasks]
+            row += [one.status]
+            row += ["" if one.metric is None else f"{one.metric:.3f}"] * metric
+            rows.append(row)
+        text = io.StringIO(newline="")
+        csv.writer(text, lineterminator="\n").writerows([header, *rows])
+        write(self.out, text.getvalue())
+        if metric:
+            write(self.feedback / "leaderboard.md", _leaderboard(self.assignment, marks))
+
+    def _record(self, student):
+        return self.feedback / RECORDS / f"{student}.json"
+
+
+def _sum(outcomes):
+    return f"{sum(outcome.earned for outcome in outcomes):g}"
+
+
+def _leaderboard(assignment, marks):
+    ranked = sorted((m for m in marks if m.metric is not None), key=lambda m: -m.metric)
+    rows = [f"| {place} | {m.student} | {m.metric:.2f} |" for place, m in enumerate(ranked, 1)]
+    head = [f"# {assignment.title}: leaderboard", "", "| | student | dB |", "|---|---|---|"]
+    return "\n".join([*head, *rows]) + "\n"
+
+
+def write(path, text):
+    """Write a file so that after any fault the old one or the new one is whole."""
+    with tempfile.NamedTemporaryFile(
+        "w", dir=path.parent, prefix=f".{path.name}.", delete=False, encoding="utf-8", newline=""
+    ) as file:
+        try:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+            os.chmod(file.name, 0o644)
+            os.replace(file.name, path)
+        except BaseException:
+            os.unlink(file.name)
+            raise
+
+
+def grade(folder, source, out, isolation, *, seed=None, jobs=2, progress=None):
+    """Mark all submissions of a folder; one that has its mark already is not run again.
+
+    Parameters
+    ----------
+    folder : path
+        See `find`.
+    source : meshfair_grading.source.Source
+    out : path
+        The CSV, see `Gradebook`.
+    isolation : meshfair_grading.isolation.Isolation
+    seed : int, optional
+        Of the unseen meshes; the assignment's own by default.
+    jobs : int
+        How many submissions run at a time.
+    progress : callable, optional
+        ``progress(marks, total=count)`` gets an iterable and gives it on, as tqdm does.
+
+    Returns
+    -------
+    list of Mark
+        Sorted by student.
+
+    Raises
+    ------
+    ValueError
+        No submissions.
+    """
+    assignment = source.load()
+    seed = assignment.seed if seed is None else seed
+    submissions = find(folder, source.name)
+    book = Gradebook(out, assignment)
+    keys = {s.student: _key(s, source, seed, isolation.limits) for s in submissions}
+    marks = {s.student: book.known(s.student, keys[s.student]) for s in submissions}
+    waiting = [s for s in submissions if marks[s.student] is None]
+    try:
+        if waiting:
+            with tempfile.TemporaryDirectory(prefix="meshfair-") as folder:
+                isolation = replace(isolation, machine_code=Path(folder))
+                rehearse(source, assignment, isolation, seed)
+                found = _in_parallel(jobs, waiting, assignment, isolation, seed)
+                for one in progress(found, total=len(waiting)) if progress else found:
+                    book.add(one, keys[one.student])
+                    marks[one.student] = one
+    finally:  # after an interruption too: the table of those who have a mark
+        book.write_tables([one for one in marks.values() if one is not None])
+    return list(marks.values())
+
+
+def _in_parallel(jobs, submissions, *arguments):
+    """The marks of submissions, as they come."""
+    pool = ThreadPoolExecutor(jobs)  # threads that wait for processes
+    try:
+        for future in as_completed([pool.submit(mark, one, *arguments) for one in submissions]):
+            yield future.result()
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def rehearse(source, assignment, isolation, seed):
+    """Mark the solution, to be sure of the checks before they decide on anybody.
+
+    What numba compiles for it stays in ``isolation.machine_code``, so that no
+    submission pays for that with its time.
+
+    Parameters
+    ----------
+    source : meshfair_grading.source.Source
+    assignment : meshfair_grading.assignment.Assignment
+    isolation : meshfair_grading.isolation.Isolation
+    seed : int
+
+    Raises
+    ------
+    ValueError
+        The solution does not get all points.
+    """
+    solution = source.solution().encode()
+    # Compiling takes its time on a busy machine, and this code can be trusted.
+    limits = isolation.limits
+    patient = replace(limits, call=10 * limits.call, total=10 * limits.total)
+    isolation = replace(isolation, limits=patient, rehearsal=True)
+    with Submission(solution, assignment.name, assignment.rules, isolation) as student:
+        report = Report("The solution", assignment.mark(student, seed))
+    if report.earned < report.points:
+        raise ValueError(
+            f"with seed {seed} the solution itself gets only {report.earned:g} of "
+            f"{report.points:g} points, so nobody was marked:\n{report.text()}"
+        )
+
+
+def _key(handed_in, source, seed, limits):
+    """Fingerprint of all that a mark depends on."""
+    try:
+        content = _read(handed_in)
+    except ValueError as error:
+        content = str(error).encode()
+    told = repr((source.digest, seed, limits, handed_in.remark)).encode()
+    return hashlib.sha256(told + content).hexdigest()

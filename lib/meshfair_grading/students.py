@@ -1,0 +1,264 @@
+"""A student's functions as the checks see them: ``student.edges(F)`` asks for an answer.
+
+`NotebookStudent` asks the module that the notebook has imported. `Submission`
+asks a process with limits, and starts another one when it has died.
+"""
+
+import importlib
+import signal
+import sys
+import time
+import traceback
+from pathlib import Path
+
+from meshfair_grading import wire
+from meshfair_grading.answers import Answer, Failure, ask, failure
+from meshfair_grading.expect import WrongAnswerError
+from meshfair_grading.rules import violations
+
+
+class NotDoneError(Exception):
+    """The function is still the stub."""
+
+
+class Student:
+    """Base of both: turns answers into values, and failures into `WrongAnswerError`."""
+
+    def __init__(self):
+        self.changed = []
+        """Function and place of each argument that the current check's calls changed."""
+        self._answers = {}
+
+    def _ask(self, name, arguments):
+        raise NotImplementedError
+
+    def __getattr__(self, name):
+        if name.startswith("_"):
+            raise AttributeError(name)
+
+        def call(*arguments):
+            return self._value(name, arguments, self._ask(name, arguments))
+
+        return call
+
+    def once(self, name, *arguments):
+        """A function's value, asked for only the first time: for slow functions.
+
+        Parameters
+        ----------
+        name : str
+        arguments : objects
+            The same objects, and not only equal ones, give the value of before.
+        """
+        key = (name, *map(id, arguments))
+        if key not in self._answers:
+            # The arguments are kept too, so that no other object gets one of their ids.
+            self._answers[key] = arguments, self._ask(name, arguments)
+        return self._value(name, *self._answers[key])
+
+    def _value(self, name, arguments, answer):
+        if answer.failure is not None:
+            raise _explained(name, answer.failure)
+        if answer.value is None:
+            raise WrongAnswerError(
+                f"`{name}` returns nothing: is the `return` missing?",
+                expected="a value",
+                came="None",
+            )
+        self.changed += [(name, place) for place in answer.changed if place < len(arguments)]
+        return answer.value
+
+
+def _explained(name, failure):
+    """The exception that a check ends with when there is no value."""
+    if failure.kind == "not done":
+        return NotDoneError(f"`{name}` is not done yet")
+    came = f"line {failure.line}: {failure.code}" if failure.line else failure.kind
+    openings = {
+        "missing": f"There is no function `{name}`: keep the names of the stub.",
+        "raised": f"`{name}` ended with {failure.message}",
+        "not loaded": f"The file could not be loaded: {failure.message}",
+        "not allowed": f"The assignment does not allow {failure.message}.",
+        "time limit": f"`{name}` ran out of time ({failure.message}): is there an endless loop?",
+        "crashed": f"`{name}` {failure.message}",
+    }
+    return WrongAnswerError(
+        openings.get(failure.kind, failure.message), expected="a value", came=came
+    )
+
+
+def broken_rules(source, rules):
+    """The failures of functions in which a source file breaks the rules.
+
+    Parameters
+    ----------
+    source : str or bytes
+    rules : meshfair_grading.rules.Rules
+
+    Returns
+    -------
+    dict of str to Failure
+        By function; the key "" is for the whole file.
+    """
+    lines = source.decode().splitlines() if isinstance(source, bytes) else source.splitlines()
+    return {
+        found.function: Failure(
+            "not allowed", found.what, found.line, lines[found.line - 1].strip()
+        )
+        for found in reversed(violations(source, rules))  # so that the first one stays
+    }
+
+
+class NotebookStudent(Student):
+    """The functions of a module that the student edits and imports.
+
+    Parameters
+    ----------
+    module : str
+        Its name; imported when first asked. ``__main__`` is the notebook itself.
+    rules : meshfair_grading.rules.Rules
+    """
+
+    def __init__(self, module, rules):
+        super().__init__()
+        self._failures = {}
+        try:
+            self._module = sys.modules.get(module) or importlib.import_module(module)
+            self._file = getattr(self._module, "__file__", None) or ""
+            if self._file:
+                self._failures = broken_rules(Path(self._file).read_bytes(), rules)
+        except Exception as error:  # whatever the student's module raises
+            self._module, self._file = None, ""
+            told = failure(error, "")
+            line = traceback.extract_tb(error.__traceback__)[-1]
+            self._failures = {"": Failure("not loaded", told.message, line.lineno or 0)}
+
+    def _ask(self, name, arguments):
+        broken = self._failures.get("") or self._failures.get(name)
+        if broken:
+            return Answer(failure=broken)
+        function = getattr(self._module, name, None)
+        if not callable(function):
+            return Answer(failure=Failure("missing", name))
+        return ask(function, arguments, self._file)
+
+
+class Submission(Student):
+    """The functions of a file that was handed in, in a process of their own.
+
+    Parameters
+    ----------
+    source : bytes
+        The file.
+    assignment : str
+        Its name without ``.py``.
+    rules : meshfair_grading.rules.Rules
+    isolation : meshfair_grading.isolation.Isolation
+
+    Attributes
+    ----------
+    printed : str
+        The beginning of what the code printed.
+    """
+
+    def __init__(self, source, assignment, rules, isolation):
+        super().__init__()
+        self.printed = ""
+        self._source, self._assignment = source, assignment
+        self._rules, self._isolation = rules, isolation
+        self._left = isolation.limits.total
+        self._process = None
+        self._failures = {}
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *exception):
+        self._stop()
+
+    @property
+    def whole_file(self):
+        """Why no function could be asked at all, or None."""
+        return self._failures.get("")
+
+    def _ask(self, name, arguments):
+        if self._process is None and "" not in self._failures:
+            self._start()
+        broken = self._failures.get("") or self._failures.get(name)
+        if broken:
+            return Answer(failure=broken)
+        answer, died = self._exchange({"call": name, "arguments": list(arguments)})
+        if not died and not isinstance(answer, Answer):
+            answer, died = Answer(failure=Failure("crashed", "sent rubbish")), True
+        if died:
+            # The same call would end the same way; the other functions get a new process.
+            self._failures[name] = answer.failure
+        return answer
+
+    def _start(self):
+        self._process = self._isolation.start(self._source, f"{self._assignment}.py")
+        order = {
+            "load": self._process.file,
+            "allowed": list(self._rules.allowed),
+            "forbidden": list(self._rules.forbidden),
+            "refused": list(self._rules.refused),
+        }
+        reply, died = self._exchange(order)
+        if died:
+            kept = reply.failure
+            message = {"time limit": f"running it took longer than {kept.message}"}
+            text = message.get(kept.kind, f"the process {kept.message}")
+            self._failures[""] = Failure("not loaded", text)
+        elif isinstance(reply, dict):
+            self._failures |= {k: v for k, v in reply.items() if isinstance(v, Failure)}
+        if "" in self._failures:
+            self._stop()
+
+    def _exchange(self, order):
+        """Send an order and wait for the reply: (reply, whether the process is lost)."""
+        limits = self._isolation.limits
+        if self._left <= 0:
+            self._stop()
+            return Answer(failure=Failure("time limit", f"{limits.total:g} s for all")), True
+        start = time.monotonic()
+        deadline = start + min(limits.call, self._left)
+        channel = self._process.channel
+        try:
+            channel.settimeout(deadline - start)
+            wire.send(channel, order)
+            return wire.receive(channel, deadline), False
+        except TimeoutError:
+            self._stop()
+            return Answer(failure=Failure("time limit", f"{limits.call:g} s")), True
+        except wire.GarbledError as error:
+            self._stop()
+            return Answer(failure=Failure("crashed", f"disturbed its channel: {error}")), True
+        except (EOFError, OSError):
+            # It has closed the channel, so its end is near: its exit code tells why.
+            how = _death(self._stop(patience=2.0))
+            return Answer(failure=Failure("crashed", how)), True
+        finally:
+            # Only the student's time counts, not what the checks take in between.
+            self._left -= time.monotonic() - start
+
+    def _stop(self, patience=0.0):
+        """End the process, keep what it printed; returns its exit code."""
+        if self._process is None:
+            return None
+        process, self._process = self._process, None
+        code, printed = process.stop(patience)
+        self.printed = self.printed or printed
+        return code
+
+
+def _death(code):
+    """How a process ended, in words, from its exit code."""
+    if code is None or code >= 0:
+        return f"ended the process itself (exit code {code}): a function returns, it does not exit"
+    names = {
+        signal.SIGSEGV: "crashed with a segmentation fault",
+        signal.SIGABRT: "was aborted by a library",
+        signal.SIGXCPU: "used up its processor time",
+        signal.SIGKILL: "was killed by the system: too much processor time or memory",
+    }
+    return names.get(-code, f"was ended by signal {-code}")

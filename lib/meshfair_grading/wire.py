@@ -1,0 +1,168 @@
+"""Plain data over a socket: JSON for the structure, raw bytes for the arrays, no pickle.
+
+A message is the length of its head, the length of its body (8 bytes each),
+the head, the body. What is read is checked before it is believed: the other
+side may be a student's process.
+"""
+
+import json
+import struct
+import time
+from dataclasses import asdict
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array
+
+from meshfair_grading.answers import LARGEST_ANSWER, Answer, Failure, Other, Seeded
+
+LENGTHS = struct.Struct("<QQ")
+LARGEST_HEAD = 1_000_000
+LARGEST_BODY = 4 * LARGEST_ANSWER
+DTYPES = {"|b1", "<i8", "<f8", "<c16"}
+
+
+class GarbledError(ValueError):
+    """A message that no honest process sends."""
+
+
+def send(channel, data):
+    """Send plain data.
+
+    Parameters
+    ----------
+    channel : socket.socket
+    data : object
+        dict with string keys, list, str, number, bool, None, ndarray of bool,
+        int64, float64 or complex128, csr_array, `Seeded`, `Other`, `Answer`.
+    """
+    buffers = []
+    head = json.dumps(_pack(data, buffers)).encode()
+    body = b"".join(buffers)
+    channel.sendall(LENGTHS.pack(len(head), len(body)) + head + body)
+
+
+def receive(channel, deadline=None):
+    """Receive what `send` sent.
+
+    Parameters
+    ----------
+    channel : socket.socket
+    deadline : float, optional
+        Value of ``time.monotonic()`` up to which to wait.
+
+    Returns
+    -------
+    object
+
+    Raises
+    ------
+    TimeoutError
+        Past the deadline.
+    EOFError
+        The other side has closed the channel, or died.
+    GarbledError
+        Not a message.
+    """
+    head_length, body_length = LENGTHS.unpack(_read(channel, LENGTHS.size, deadline))
+    if head_length > LARGEST_HEAD or body_length > LARGEST_BODY:
+        raise GarbledError("the message is larger than any answer")
+    head = _read(channel, head_length, deadline)
+    body = _read(channel, body_length, deadline)
+    try:
+        return _unpack(json.loads(head), memoryview(body))
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
+        raise GarbledError(f"the message makes no sense ({error})") from error
+
+
+def _read(channel, length, deadline):
+    data = bytearray(length)
+    rest = memoryview(data)
+    while rest:
+        if deadline is not None:
+            left = deadline - time.monotonic()
+            if left <= 0:
+                raise TimeoutError
+            channel.settimeout(left)
+        count = channel.recv_into(rest)
+        if not count:
+            raise EOFError
+        rest = rest[count:]
+    return data
+
+
+def _pack(data, buffers):
+    """The structure for JSON; arrays go to ``buffers`` and leave a description."""
+    match data:
+        case np.ndarray():
+            start = sum(map(len, buffers))
+            buffers.append(data.tobytes())
+            return {"$": "array", "dtype": data.dtype.str, "shape": data.shape, "start": start}
+        case csr_array():
+            # Rows and columns can be checked one by one; a broken CSR can crash SciPy.
+            matrix = data.tocoo()
+            parts = matrix.row.astype(np.int64), matrix.col.astype(np.int64), matrix.data
+            return {"$": "sparse", "shape": data.shape, "parts": [_pack(p, buffers) for p in parts]}
+        case Seeded() | Other() | Failure():
+            return {"$": type(data).__name__, **asdict(data)}
+        case Answer():
+            return {
+                "$": "Answer",
+                "value": _pack(data.value, buffers),
+                "changed": list(data.changed),
+                "failure": _pack(data.failure, buffers),
+            }
+        case dict():
+            return {key: _pack(value, buffers) for key, value in data.items()}
+        case list() | tuple():
+            return [_pack(item, buffers) for item in data]
+    return data
+
+
+def _unpack(packed, body):
+    match packed:
+        case {"$": "array", "dtype": dtype, "shape": shape, "start": start}:
+            return _array(dtype, shape, start, body)
+        case {"$": "sparse", "shape": [n, m], "parts": parts}:
+            return _sparse(n, m, *(_unpack(part, body) for part in parts))
+        case {"$": "Seeded", "seed": seed}:
+            return Seeded(int(seed))
+        case {"$": "Other", "type": name, "shown": shown}:
+            return Other(str(name), str(shown))
+        case {"$": "Failure", "kind": kind, "message": message, "line": line, "code": code}:
+            return Failure(str(kind), str(message), int(line), str(code))
+        case {"$": "Answer", "value": value, "changed": changed, "failure": failure}:
+            failure = _unpack(failure, body)
+            if not isinstance(failure, Failure | None):
+                raise GarbledError("a failure is expected")
+            return Answer(_unpack(value, body), tuple(map(int, changed)), failure)
+        case {"$": other}:
+            raise GarbledError(f"no type {other!r}")
+        case dict():
+            return {key: _unpack(value, body) for key, value in packed.items()}
+        case list():
+            return [_unpack(item, body) for item in packed]
+    return packed
+
+
+def _array(dtype, shape, start, body):
+    shape, start = [int(size) for size in shape], int(start)
+    if dtype not in DTYPES or len(shape) > 8 or min([start, *shape]) < 0:
+        raise GarbledError(f"no array of type {dtype!r} and shape {shape}")
+    dtype = np.dtype(dtype)
+    count = 1
+    for size in shape:  # in Python's integers, which do not overflow
+        count *= size
+    if start + count * dtype.itemsize > len(body):
+        raise GarbledError("an array that is longer than its bytes")
+    return np.frombuffer(body, dtype, count, start).reshape(shape).copy()
+
+
+def _sparse(n, m, row, col, data):
+    # A matrix takes memory for its rows even where it has no entries.
+    if not (0 <= n <= LARGEST_ANSWER and 0 <= m <= LARGEST_ANSWER):
+        raise GarbledError("a sparse matrix larger than any answer")
+    if not (row.ndim == 1 and row.shape == col.shape == data.shape):
+        raise GarbledError("a sparse matrix with parts of different lengths")
+    if len(row) and not (0 <= row.min() <= row.max() < n and 0 <= col.min() <= col.max() < m):
+        raise GarbledError("a sparse matrix with entries outside")
+    return csr_array(coo_array((data, (row, col)), shape=(int(n), int(m))))
