@@ -37,8 +37,7 @@ class Edges:
     Parameters
     ----------
     F : array_like of integers, shape (m, 3)
-        Not to be changed while the edges are in use. A face that is stored
-        twice counts once.
+        Not to be changed while the edges are in use. Duplicate faces count once.
     n : int, optional
         Number of vertices; if it is not given, as many as ``F`` names.
 
@@ -137,7 +136,8 @@ class Edges:
         -------
         ndarray of float64, shape (k,)
         """
-        return np.bincount(self.of_half_edge, X.ravel()[self.half_edges], minlength=len(self))
+        sums = np.bincount(self.of_half_edge, X.ravel()[self.half_edges], minlength=len(self))
+        return sums.astype(np.float64, copy=False)  # floats already, unless there is no edge
 
     def matrix(self, w: Floats) -> csr_array:
         """The symmetric matrix with w_e at (i, j) and at (j, i) for each edge e = (i, j).
