@@ -178,11 +178,12 @@ def snr_curve(
     warn_if_unstable(A, tau, stacklevel=3)
     if build or not _fast.wanted(len(V)):
         return np.array([(t, snr(V_true, X)) for t, X in _states(V, build, A, tau, steps, fixed)])
-    curve = []
-    for step, distances in enumerate(_fast.flow.distances(V, V_true, A, tau, steps, fixed)):
-        _stop_if_outgrown(distances, step, tau)
-        curve.append((_time(step, tau), snr_of_distances(V_true, distances)))
-    return np.array(curve)
+    distances = np.empty(steps + 1)
+    for step, distance in enumerate(_fast.flow.distances(V, V_true, A, tau, steps, fixed)):
+        _stop_if_outgrown(distance, step, tau)
+        distances[step] = distance
+    times = [_time(step, tau) for step in range(steps + 1)]
+    return np.column_stack([times, snr_of_distances(V_true, distances)])
 
 
 def best_stopping(

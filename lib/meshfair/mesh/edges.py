@@ -137,7 +137,8 @@ class Edges:
         -------
         ndarray of float64, shape (k,)
         """
-        return np.bincount(self.of_half_edge, X.ravel()[self.half_edges], minlength=len(self))
+        values = X.ravel()[self.half_edges]
+        return np.bincount(self.of_half_edge, values, minlength=len(self)).astype(float)
 
     def matrix(self, w: Floats) -> csr_array:
         """The symmetric matrix with w_e at (i, j) and at (j, i) for each edge e = (i, j).
