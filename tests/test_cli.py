@@ -450,7 +450,7 @@ def test_doctor_finds_what_is_missing(run, monkeypatch):
     real = importlib.metadata.version
 
     def version(package):
-        if package == "pooch":
+        if package == "libigl":
             raise importlib.metadata.PackageNotFoundError(package)
         return {"scipy": "1.9.0"}.get(package) or real(package)
 
@@ -458,8 +458,8 @@ def test_doctor_finds_what_is_missing(run, monkeypatch):
     code, out, _ = run("doctor", "--json")
     assert code == 1
     checks = {check["name"]: check for check in json.loads(out)["checks"]}
-    assert checks["pooch"]["state"] == "problem"
-    assert "pip install pooch" in checks["pooch"]["advice"]
+    assert checks["libigl"]["state"] == "problem"
+    assert "pip install libigl" in checks["libigl"]["advice"]
     assert checks["scipy"]["state"] == "problem"
     assert "older than 1.14" in checks["scipy"]["found"]
 
