@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from meshfair import shapes
+from meshfair import _fast, shapes
 from meshfair.checks import Floats
 from meshfair.denoising import estimate_noise
 from meshfair.experiments import PAIRS, load_mesh, noisy_pair
@@ -223,6 +223,10 @@ def _performance(data: Tables) -> Texts:
         "bench-vertices": f"{bench['vertices'].max():,}",
         "bench-libigl": times("weights", "libigl", "ours, from nothing"),
         "bench-libigl-known": times("weights", "libigl", "ours, pattern known"),
+        "bench-plain": times("weights", "plain NumPy", "ours, from nothing"),
+        "bench-step-scipy": times("step", "SciPy product"),
+        "bench-steps-scipy": times("steps", "SciPy product"),
+        "fast-from": f"{_fast.ROWS:,}",
         "bench-step-open3d": times("step", "Open3D"),
         "bench-step-trimesh": times("step", "trimesh"),
         "bench-steps-open3d": times("steps", "Open3D"),
