@@ -703,6 +703,7 @@ def test_a_full_disk_leaves_the_old_file_and_nothing_else(folder):
     assert in_children(folder / "a.ply", "full") == ["old"] * 4
 
 
+@pytest.mark.slow
 def test_a_kill_leaves_the_old_file_or_the_new_one(tmp_path):
     ends = in_children(tmp_path / "a.ply", "events")
     assert len(ends) >= 50
