@@ -1,8 +1,8 @@
 """A corpus of mesh files, sound, odd and malformed, made here byte by byte; and a safe reader.
 
-The corpus does not use `meshfair.io.write`, so that a fault of the writer and
+The corpus does not use `meshfair.io.write`, so that an error of the writer and
 one of the reader cannot hide each other. Run as a program, the module reads
-files, each in a process of its own with limits on time and memory; see
+files, in processes with limits on time and memory; see
 `read_apart`.
 """
 

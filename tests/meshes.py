@@ -58,7 +58,7 @@ def rigid_motions(draw):
 
 
 def pair(mirror, name):
-    """A public pair of GuidedDenoising: noisy and clean positions, faces."""
+    """A public pair of GuidedDenoising: noisy and noise-free positions, faces."""
     V_noisy, F = io.read(mirror / f"GuidedDenoising-{name}-Noisy.obj")
     V, _ = io.read(mirror / f"GuidedDenoising-{name}-Original.obj")
     return V_noisy, V, F

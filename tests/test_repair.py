@@ -243,7 +243,7 @@ def test_splitting_an_hourglass_gives_two_tetrahedra():
 
 def test_a_sheet_that_leaves_through_a_cut_edge_is_sewn_on():
     # Two tetrahedra that share an edge: four faces there, two of each body. Around
-    # each end the faces of one body hang together, so both bodies stay closed.
+    # each end the faces of one body are connected, so both bodies stay closed.
     V, F = TETRAHEDRON
     other = np.array([0, 1, 4, 5])[F]
     V = np.concatenate([V, V[2:] - [0, 1, 1]])

@@ -8,7 +8,7 @@ import numpy as np
 from meshfair.checks import Floats, Integers
 from meshfair.io.errors import file_error
 from meshfair.io.opening import check_content
-from meshfair.io.text import Lines, clean, encode_rows, is_blank
+from meshfair.io.text import Lines, encode_rows, is_blank, normalised_text
 
 # The rest of the format is not part of a triangle mesh, and is skipped. Subdivision
 # tools added t, and skinning tools vw.
@@ -34,7 +34,7 @@ def parse(stream: BinaryIO) -> tuple[Floats, Integers, Integers]:
         The polygons, as in `meshfair.io.faces.check_corners`.
     """
     check_content(stream, "OBJ")
-    text = clean(stream.read())
+    text = normalised_text(stream.read())
     lines = Lines(text.replace(b"\\\n", b"  "), original=text)
     letter, next_code = lines.codes[lines.begin], lines.codes[lines.begin + 1]
     is_vertex = (letter == ord("v")) & is_blank(next_code)

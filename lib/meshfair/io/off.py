@@ -10,7 +10,7 @@ from meshfair.checks import Floats, Integers
 from meshfair.io.errors import file_error, quoted
 from meshfair.io.faces import spans
 from meshfair.io.opening import check_content
-from meshfair.io.text import Lines, clean, encode_rows
+from meshfair.io.text import Lines, encode_rows, normalised_text
 
 # The letters of the keyword tell what more each vertex has, in whatever order
 # programs write them. The keyword may be left out, or the blank behind it.
@@ -23,7 +23,7 @@ HEADER = re.compile(
 def parse(stream: BinaryIO) -> tuple[Floats, NDArray[Any], Integers]:
     """Read vertices and polygons from a stream of bytes; returns as `obj.parse`."""
     check_content(stream, "OFF")
-    text = clean(stream.read())
+    text = normalised_text(stream.read())
     header = HEADER.match(text)
     if not header:
         wanted = "OFF and the numbers of vertices, faces and edges were expected, and text"

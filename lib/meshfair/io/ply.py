@@ -16,7 +16,7 @@ from meshfair.checks import Booleans, Floats, Integers
 from meshfair.io.errors import file_error, quoted
 from meshfair.io.faces import spans
 from meshfair.io.opening import check_content
-from meshfair.io.text import Lines, clean, encode_rows
+from meshfair.io.text import Lines, encode_rows, normalised_text
 
 Order: TypeAlias = Literal["little", "big"]
 ORDERS: dict[str, Order | None] = {
@@ -51,13 +51,13 @@ def parse(stream: BinaryIO) -> tuple[Floats, NDArray[Any], Integers]:
     check_content(stream, "PLY")
     data = stream.read()
     at = _end_of_header(data)
-    header = Lines(clean(data[:at]))
+    header = Lines(normalised_text(data[:at]))
     order, elements = _header(header)
     element, name = _names_of_faces(elements)
     if order:
         tables = _binary_tables(data, at, elements, order)
     else:
-        tables = _text_tables(Lines(clean(data))[len(header) :], elements)
+        tables = _text_tables(Lines(normalised_text(data))[len(header) :], elements)
     V = np.column_stack([tables["vertex"][axis][0] for axis in "xyz"])
     corners, counts = tables[element][name]
     if element == "tristrips":

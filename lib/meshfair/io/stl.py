@@ -41,7 +41,7 @@ def parse(stream: BinaryIO) -> tuple[Floats, Integers, Integers]:
         if kind == "binary data" or not (kind or head.isascii()):
             found = f"{announced} triangles announced, which makes {whole} bytes"
             raise file_error("header, byte 80", found, f"the file has {size}")
-        V = _corners(text.clean(stream.read()).lower())
+        V = _corners(text.normalised_text(stream.read()).lower())
     return V, np.arange(len(V)), np.full(len(V) // 3, 3)
 
 

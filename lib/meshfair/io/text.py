@@ -16,11 +16,11 @@ from meshfair.io.errors import DAMAGED, file_error, quoted
 COMMENT = re.compile(rb"#[^\n]*")
 
 
-def clean(data: bytes) -> bytes:
+def normalised_text(data: bytes) -> bytes:
     """Text with line feeds around every line, without byte-order mark and comments.
 
     Comments become blanks and no line is joined or dropped, so that what is
-    found in the text can be told by its line in the file. The last line has two
+    found in the text can be named by its line in the file. The last line has two
     line feeds: one is left where the other is joined to the next line.
     """
     data = data.removeprefix(codecs.BOM_UTF8).replace(b"\r\n", b"\n").replace(b"\r", b"\n")
@@ -28,7 +28,7 @@ def clean(data: bytes) -> bytes:
 
 
 def line_at(text: bytes, position: int) -> str:
-    """Where in the file a position of its repaired text is."""
+    """Where in the file a position of its normalised text is."""
     return f"line {text.count(10, 0, position)}"
 
 
@@ -53,14 +53,14 @@ def is_blank(codes: NDArray[np.uint8]) -> Booleans:
 
 
 class Lines:
-    """The lines of a repaired text that are not blank.
+    """The lines of a normalised text that are not blank.
 
     Parameters
     ----------
     text : bytes
-        What `clean` returns, or the same with some bytes replaced.
+        What `normalised_text` returns, or the same with some bytes replaced.
     original : bytes, optional
-        What `clean` returned, where lines were joined since.
+        What `normalised_text` returned, where lines were joined since.
 
     Attributes
     ----------

@@ -232,7 +232,7 @@ def mean_edge_length(V: ArrayLike, F: ArrayLike) -> float:
     Raises
     ------
     MeshError
-        No mesh, or one whose faces have all collapsed to points.
+        No mesh, or one whose faces name a single vertex each.
     """
     lengths = edge_lengths(V, F)
     if not len(lengths):

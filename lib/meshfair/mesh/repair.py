@@ -36,7 +36,7 @@ MOST_PAIRS = 30
 
 
 class Step(NamedTuple):
-    """One thing that `repair` was asked to do, and what came of it."""
+    """One thing that `repair` was asked to do, and what it did."""
 
     name: str
     """The parameter that asked for it."""
