@@ -31,7 +31,7 @@ from scipy.sparse import coo_array
 from meshfair._fast.kernels import compiled
 from meshfair.checks import MeshError, MeshWarning, check_mesh, check_number
 from meshfair.mesh import Edges, unique_faces
-from meshfair.mesh.topology import collapsed_faces
+from meshfair.mesh.topology import topologically_degenerate
 
 # Angle sums are compared through their sine, which rounding moves by about 1e-15.
 ROUNDING = 1e-13
@@ -122,7 +122,7 @@ def delaunay(V, F, *, mollify=1e-6):
     V, F = check_mesh(V, F)
     mollify = check_number(mollify, "mollify", 0, 1)
     T = unique_faces(F)
-    T = T[~collapsed_faces(T)]
+    T = T[~topologically_degenerate(T)]
     if not len(T):
         raise MeshError("every face names a vertex twice, so there is no triangle at all")
     tail, twin = _cover(T)

@@ -37,13 +37,18 @@ def print_table(rows):
 def progress():
     """Show on standard error, if that is a terminal, how far long work has come.
 
+    Without tqdm, an optional extra, nothing is shown.
+
     Yields
     ------
     function of a float
         To call with the part of the work that is done, 0 to 1.
     """
-    from tqdm import tqdm
-
+    try:
+        from tqdm import tqdm
+    except ImportError:
+        yield lambda part: None
+        return
     form = "{percentage:3.0f}% |{bar}| {elapsed} < {remaining}"
     with tqdm(total=1.0, bar_format=form, leave=False, disable=None) as bar:
 

@@ -58,7 +58,7 @@ def run(options):
         )
     else:
         for step in repaired.report:
-            print(step.told)
+            print(step.message)
         if not repaired.report:
             print("nothing was asked for, so nothing was changed")
         print(f"{options.out}: {len(repaired.V):,} vertices, {len(repaired.F):,} faces")
