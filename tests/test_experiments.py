@@ -1,6 +1,8 @@
 """What the report claims, held against the experiments themselves."""
 
 import json
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -156,3 +158,10 @@ def test_averaging_stopped_for_the_missiles():
     least = parts[parts["part"] == "missiles"].groupby("weights")["error"].min()
     for row in table.itertuples():
         assert row.missile_error == pytest.approx(least[row.weights], rel=1e-12)
+
+
+def test_importing_them_loads_no_table_and_no_libigl():
+    code = "import meshfair.experiments, sys; print(*{'igl', 'pandas', 'tqdm'} & {*sys.modules})"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split() == []

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+import conftest
 import meshfair
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -275,3 +276,7 @@ def test_readme_gives_the_times_that_were_measured():
 
 def two_digits(x):
     return float(f"{x:.2g}")
+
+
+def test_every_file_called_slow_exists():
+    assert {path.stem for path in (ROOT / "tests").glob("test_*.py")} >= conftest.SLOW

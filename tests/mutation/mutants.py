@@ -188,9 +188,9 @@ def _variants(node: ast.AST, holder: ast.AST) -> Iterator[ast.AST]:
             yield value
         case ast.Call():
             yield from _variants_of_call(node)
-            if _called(node).startswith("check_") and node.args:
-                if not any(isinstance(other, ast.Pass) for other in _variants(holder, node)):
-                    yield node.args[0]
+            checks = _called(node).startswith("check_") and node.args
+            if checks and ast.Pass not in map(type, _variants(holder, node)):
+                yield node.args[0]
         case ast.If(test, body, orelse) if _can_be_negated(test) and not _dispatches(node):
             yield ast.If(ast.UnaryOp(ast.Not(), test), body, orelse)
         case ast.While(test, body, orelse) if _can_be_negated(test):

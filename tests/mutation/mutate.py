@@ -24,6 +24,7 @@ import signal
 import sys
 import tempfile
 import time
+import traceback
 from collections import Counter, defaultdict
 from pathlib import Path
 
@@ -44,23 +45,10 @@ PACKAGE = TESTS.parent / "lib" / "meshfair"
 MODULES = ["weights", "operators", "flow", "noise", "metrics"]
 FILTERS = [f"filters/{path.stem}" for path in sorted(PACKAGE.glob("filters/[!_]*.py"))]
 # Tests of the numerical modules; which of them concern a mutant is measured.
-FILES = [
-    "checks",
-    "denoising",
-    "fast_equals_plain",
-    "filters",
-    "flow",
-    "intrinsic",
-    "mesh",
-    "metrics",
-    "noise",
-    "operators",
-    "solve",
-    "spectrum",
-    "stability",
-    "sure",
-    "weights",
-]
+FILES = (
+    "checks", "denoising", "fast_equals_plain", "filters", "flow", "intrinsic", "mesh",
+    "metrics", "noise", "operators", "solve", "spectrum", "stability", "sure", "weights",
+)  # fmt: skip
 LEAST = 0.95
 SURVIVED, KILLED, BROKEN = 0, 1, 2
 
@@ -75,6 +63,7 @@ def main() -> int:
     chosen = options.modules or MODULES + FILTERS
     if unknown := set(chosen) - {*MODULES, *FILTERS}:
         parser.error(f"no such modules: {', '.join(sorted(unknown))}")
+    assert "meshfair" not in sys.modules, "children would not load the mutant"
     started = time.perf_counter()
     planted = [
         (module, mutant)
@@ -149,7 +138,7 @@ def run_all(planted: list, tests: dict, jobs: int) -> list[int]:
 
 
 def fork(work) -> int:
-    """A child in a process group of its own that exits with what ``work()`` returns."""
+    """A silent child in a process group of its own that exits with what ``work()`` returns."""
     child = os.fork()
     if child:
         with contextlib.suppress(OSError):
@@ -181,8 +170,8 @@ def run_tests(concerned: dict[str, float], module: str, mutant: Mutant) -> int:
 def pytest_run(plugin: "Chosen") -> int:
     """Run pytest on the files that the plugin names."""
     files = [str(TESTS / name) for name in plugin.files()]
-    options = ["-x", "-q", "-p", "no:cacheprovider", "-p", "no:randomly", "--rootdir", TESTS.parent]
-    return int(pytest.main([*map(str, options), *files], plugins=[plugin]))
+    options = ["-x", "-p", "no:cacheprovider", "-W", "ignore::pytest.PytestAssertRewriteWarning"]
+    return int(pytest.main([*options, "--rootdir", str(TESTS.parent), *files], plugins=[plugin]))
 
 
 class Planted(importlib.abc.MetaPathFinder):
@@ -212,7 +201,7 @@ class Loader(importlib.machinery.SourceFileLoader):
 
 
 class Chosen:
-    """For pytest: which tests run, in which order, with random examples that are always the same."""
+    """For pytest: which tests run, in which order, with the same random examples every time."""
 
     def __init__(self, names):
         self.names = {name: place for place, name in enumerate(names)}
@@ -288,8 +277,13 @@ def watch(chosen: list[str]) -> dict[str, tuple[float, dict[str, list[int]]]]:
 
         def work():
             plugin = Watch(chosen)
-            code = pytest_run(plugin)
-            answer.write_text(json.dumps([plugin.found, plugin.failed]), encoding="utf-8")
+            try:
+                code = pytest_run(plugin)
+            except BaseException:
+                plugin.failed.append(traceback.format_exc())
+                raise
+            finally:
+                answer.write_text(json.dumps([plugin.found, plugin.failed]), encoding="utf-8")
             return code
 
         _, status = os.waitpid(fork(work), 0)

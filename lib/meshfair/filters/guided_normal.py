@@ -153,9 +153,9 @@ def guidance(patches: Patches, N: Floats, area: Floats) -> Floats:
         return _fast.filters.guidance(R, patches.across, N, area, FLAT)
     f, g = patches.adjacent
     difference = np.linalg.norm(N[f] - N[g], axis=1)
-    E = patches.edges
-    at_edges = csr_array((difference[E.indices], E.indices, E.indptr), shape=E.shape)
-    strongest, total = at_edges.max(axis=1).toarray(), at_edges.sum(axis=1)
+    patch, e = entries(patches.edges)
+    strongest, total = np.zeros(len(N)), np.bincount(patch, difference[e], len(N))
+    np.maximum.at(strongest, patch, difference[e])
     H = widest_differences(R, N) * strongest / (FLAT + total)
     mean = normalised(R.astype(bool) @ (area[:, None] * N))
     return mean[_least_around(R, H)]
