@@ -41,7 +41,7 @@ CLOSED = {
 
 @st.composite
 def soups(draw, vertices=12, faces=20):
-    """Any triangles over random points: open, not manifold, repeated, unreferenced, in pieces."""
+    """Any triangles over random points: open, not manifold, duplicate, unreferenced, in pieces."""
     n = draw(st.integers(3, vertices))
     m = draw(st.integers(1, faces))
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))

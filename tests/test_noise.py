@@ -74,12 +74,41 @@ def test_size_follows_the_scale_of_the_mesh():
 
 
 @pytest.mark.parametrize(
+    ("model", "directly"),
+    [
+        ("normals", lambda rng: noise.along_normals(V, F, 0.2, rng)),
+        ("gaussian", lambda rng: noise.gaussian(V, F, 0.2, rng)),
+        ("uniform", lambda rng: noise.uniform(V, 0.2, rng)),
+    ],
+)
+def test_add_takes_a_model_by_name_and_a_size_or_an_snr(model, directly):
+    expected = directly(np.random.default_rng(5))
+    assert np.array_equal(noise.add(V, F, model, np.random.default_rng(5), size=0.2), expected)
+    louder = noise.add(V, F, model, np.random.default_rng(5), decibels=20)
+    assert metrics.snr(V, louder) == pytest.approx(20)
+    moved, direction = louder - V, expected - V  # the same draw, on another scale
+    scale = np.sum(moved * direction) / np.sum(direction**2)
+    np.testing.assert_allclose(moved, scale * direction, atol=1e-14)
+
+
+@pytest.mark.parametrize(
     ("call", "error", "message"),
     [
         (lambda r: noise.gaussian(V, F, -1, r), ValueError, "sigma is -1"),
         (lambda r: noise.uniform(V, np.nan, r), ValueError, "amplitude is nan"),
         (lambda r: noise.impulsive(V, F, 0.1, 1.5, r), ValueError, "fraction is 1.5"),
         (lambda r: noise.gaussian(V, F, 0.1, 7), TypeError, "rng is 7"),
+        (
+            lambda r: noise.add(V, F, "laser", r, size=1),
+            ValueError,
+            "give one of normals, gaussian",
+        ),
+        (lambda r: noise.add(V, F, "normals", r), ValueError, "either a size or its decibels"),
+        (
+            lambda r: noise.add(V, F, "normals", r, size=0.1, decibels=20),
+            ValueError,
+            "either a size or its decibels",
+        ),
         (lambda r: noise.at_snr(V, 0 * V, 20), MeshError, "zero everywhere"),
         (lambda r: noise.at_snr(V, V[:5], 20), MeshError, "has 2562 vertices but"),
         (lambda r: metrics.snr(0 * V, V), MeshError, "at the origin"),

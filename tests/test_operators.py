@@ -6,7 +6,7 @@ from scipy.linalg import eigh
 from scipy.sparse import csr_array
 
 from meshes import CLOSED, RIGHT_TRIANGLE, grid, soups
-from meshfair import MeshError, noise, operators, reference, shapes, stability, weights
+from meshfair import MeshError, noise, operators, reference, shapes, weights
 
 
 def all_weights(V, F):
@@ -94,57 +94,6 @@ def test_the_bound_of_three_is_approached():
     # Two needles: the eigenvalues of one go to 0, 0 and 3 as its angles go to 0 and 180 degrees.
     V = np.array([[0.0, 0, 0], [1, 0, 0], [0.5, 1e-3, 0]])
     assert generalised(weights.cotangent(V, np.array([[0, 1, 2]]))).max() > 2.999
-
-
-@pytest.mark.parametrize("subdivisions", [1, 3])  # a dense and a sparse eigenvalue problem
-def test_stable_step_is_two_over_the_largest_eigenvalue(subdivisions, rng):
-    V, F = shapes.icosphere(subdivisions)
-    V = noise.gaussian(V, F, 0.5, rng)
-    for W in all_weights(V, F).values():
-        bound = stability.stable_step(operators.averaging(W))
-        # 1e-3 is the accuracy asked of the eigenvalue.
-        assert bound == pytest.approx(2 / generalised(W).max(), rel=2e-3)
-
-
-def test_stable_step_separates_decay_from_growth(rng):
-    V, F = shapes.icosphere(2)
-    V = noise.gaussian(V, F, 0.5, rng)
-    A = operators.averaging(weights.cotangent(V, F))
-    bound = stability.stable_step(A)
-    x = rng.standard_normal(len(V))
-
-    def size_after(tau, steps=3000):
-        y = x.copy()
-        for _ in range(steps):
-            y = (1 - tau) * y + tau * (A @ y)
-        return np.abs(y).max()
-
-    assert size_after(0.99 * bound) <= np.abs(x).max() * 10
-    assert size_after(1.01 * bound) > np.abs(x).max() * 1e6
-
-
-def test_what_is_surely_stable_is_stable(rng):
-    V, F = shapes.icosphere(3)
-    for size in (0, 0.2, 0.5):
-        V_noisy = noise.gaussian(V, F, size, rng)
-        M = operators.mass(V_noisy, F)
-        for W in all_weights(V_noisy, F).values():
-            for A in (operators.averaging(W), operators.diffusion(W, M)):
-                bound = stability.stable_step(A)
-                assert not stability.surely_stable(A, 1.002 * bound)
-                assert stability.surely_stable(A, 0.6 * bound)
-
-
-def test_the_step_of_the_identity_and_of_any_unit():
-    one = csr_array(np.eye(200))
-    assert stability.stable_step(one) == np.inf
-    assert stability.surely_stable(one, 1e300)
-    V, F = shapes.icosphere(3)
-    steps = []
-    for s in (1, 1e-30):
-        A = operators.diffusion(weights.cotangent(s * V, F), operators.mass(s * V, F))
-        steps.append(stability.stable_step(A))
-    assert steps[1] == pytest.approx(1e-60 * steps[0], rel=2e-3)
 
 
 def test_diffusion_of_a_flat_mesh_moves_no_inner_vertex(rng):

@@ -2,7 +2,7 @@
 
 A weight (cot alpha + cot beta) / 2 is negative where the two angles sum to
 more than 180 degrees. Replacing the edge by the other diagonal of its two
-triangles would mend that, but change the surface, if it were done in space.
+triangles would repair that, but change the surface, if it were done in space.
 Done *intrinsically*, it changes nothing: the new edge is the straight line
 drawn inside the old, bent surface, of which only the length is needed. Such
 flips, repeated until no angle sum is above 180 degrees, end with a
@@ -22,16 +22,18 @@ References
    Computer Graphics Forum (SGP) 39(5), 2020.
 """
 
+import math
 import warnings
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_array
+from numpy.typing import ArrayLike
+from scipy.sparse import coo_array, csr_array
 
-from meshfair._fast.kernels import compiled
-from meshfair.checks import MeshError, MeshWarning, check_mesh, check_number
+from meshfair import _fast
+from meshfair.checks import Floats, Integers, MeshError, MeshWarning, check_mesh, check_number
 from meshfair.mesh import Edges, unique_faces
-from meshfair.mesh.topology import collapsed_faces
+from meshfair.mesh.topology import topologically_degenerate
 
 # Angle sums are compared through their sine, which rounding moves by about 1e-15.
 ROUNDING = 1e-13
@@ -46,21 +48,21 @@ class Triangulation(NamedTuple):
     Two triangles may share two sides, and a side may end where it starts.
     """
 
-    tail: np.ndarray
+    tail: Integers
     """The vertex that each half-edge starts at; int64, shape (3 t,)."""
-    twin: np.ndarray
+    twin: Integers
     """The half-edge on the other side of the same edge; int64, shape (3 t,)."""
-    length: np.ndarray
+    length: Floats
     """In mean edge lengths of the mesh; float64, shape (3 t,)."""
     sheets: int
     """How often the surface is covered: once or twice."""
 
 
-def cotangent(V, F, *, mollify=1e-6):
+def cotangent(V: ArrayLike, F: ArrayLike, *, mollify: float = 1e-6) -> csr_array:
     """Nonnegative cotangent weights, of the intrinsic Delaunay triangulation [BS07]_ [SC20]_.
 
-    On any mesh: with a boundary, non-manifold or one-sided, too; of repeated
-    faces one counts. ``L = D - W`` is then positive semidefinite with no
+    On any mesh: with a boundary, non-manifold or non-orientable, too; of
+    duplicate faces one counts. ``L = D - W`` is then positive semidefinite with no
     positive entry off its diagonal, and every averaging step with
     0 < tau <= 1 is stable.
 
@@ -108,7 +110,7 @@ def cotangent(V, F, *, mollify=1e-6):
     return W
 
 
-def delaunay(V, F, *, mollify=1e-6):
+def delaunay(V: ArrayLike, F: ArrayLike, *, mollify: float = 1e-6) -> Triangulation:
     """The intrinsic Delaunay triangulation of a mesh, or of its tufted cover.
 
     Parameters, errors and warnings are those of `cotangent`.
@@ -122,14 +124,21 @@ def delaunay(V, F, *, mollify=1e-6):
     V, F = check_mesh(V, F)
     mollify = check_number(mollify, "mollify", 0, 1)
     T = unique_faces(F)
-    T = T[~collapsed_faces(T)]
+    T = T[~topologically_degenerate(T)]
     if not len(T):
         raise MeshError("every face names a vertex twice, so there is no triangle at all")
     tail, twin = _cover(T)
     tip = tail.reshape(-1, 3)[:, [1, 2, 0]].ravel()
     length = _mollified(np.linalg.norm(V[tail] - V[tip], axis=1), T, mollify)
     sheets = len(tail) // (3 * len(T))
-    if not _flip_to_delaunay(tail, twin, length, MOST_FLIPS * len(tail)):
+    most = MOST_FLIPS * len(tail)
+    if _fast.wanted(len(T)):
+        ended = _fast.intrinsic.flip_until_delaunay(tail, twin, length, most, ROUNDING)
+    else:
+        flips = _Flips(tail, twin, length)
+        ended = flips.until_delaunay(most)
+        tail, twin, length = (np.array(x) for x in (flips.tail, flips.twin, flips.length))
+    if not ended:
         warnings.warn(
             f"the intrinsic flips did not end after {MOST_FLIPS} for each edge; a larger mollify "
             "makes thin triangles wider",
@@ -139,7 +148,7 @@ def delaunay(V, F, *, mollify=1e-6):
     return Triangulation(tail, twin, length, sheets)
 
 
-def _cover(F):
+def _cover(F: Integers) -> tuple[Integers, Integers]:
     """Tails and twins of the tufted cover's half-edges, its front only if that is closed."""
     m = len(F)
     front, back = F, F[:, [0, 2, 1]]
@@ -162,7 +171,7 @@ def _cover(F):
     return tail, twin
 
 
-def _mollified(length, F, mollify):
+def _mollified(length: Floats, F: Integers, mollify: float) -> Floats:
     """Lengths in mean edge lengths, all grown by what the flattest triangle needs."""
     mean = length.mean()
     if mean == 0:
@@ -178,85 +187,97 @@ def _mollified(length, F, mollify):
     return (sides + max(0.0, mollify - excess[flattest])).ravel()
 
 
-def _half_cotangents(sides):
+def _half_cotangents(sides: Floats) -> Floats:
     """(b^2 + c^2 - a^2) / (8 area): half the cotangent opposite each side, shape (t, 3)."""
     c, b, a = np.sort(sides, axis=1).T
-    # Heron's formula as Kahan writes it: accurate for needles too.
+    # As in `_area`, for all triangles at once.
     product = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c))
     area = np.sqrt(np.maximum(product, np.finfo(float).tiny)) / 4
     squares = sides**2
     return (squares.sum(axis=1, keepdims=True) / 2 - squares) / (4 * area[:, None])
 
 
-@compiled
-def _flip_to_delaunay(tail, twin, length, most):
-    """Flip edges, in place, until no two opposite angles sum to more than 180 degrees.
+class _Flips:
+    """A triangulation while its edges are flipped, as plain lists."""
 
-    Returns whether that took no more than ``most`` flips.
-    """
+    def __init__(self, tail: Integers, twin: Integers, length: Floats) -> None:
+        self.tail, self.twin, self.length = tail.tolist(), twin.tolist(), length.tolist()
 
-    def apex(ab, bc, ca):
-        """Place c above the line from a = (0, 0) to b = (ab, 0)."""
-        x = (ab + (ca - bc) * (ca + bc) / ab) / 2
-        long, short = max(ab, bc, ca), min(ab, bc, ca)
-        middle = max(min(ab, bc), min(max(ab, bc), ca))
-        product = (long + (middle + short)) * (short - (long - middle))
-        product *= (short + (long - middle)) * (long + (middle - short))
-        return x, np.sqrt(max(product, 0.0)) / (2 * ab)
+    def until_delaunay(self, most: int) -> bool:
+        """Flip edges until no two opposite angles sum to more than 180 degrees.
 
-    waiting = np.arange(len(tail))
-    is_waiting = np.ones(len(tail), dtype=np.bool_)
-    count, flips = len(waiting), 0
-    while count:
-        count -= 1
-        h = waiting[count]
-        is_waiting[h] = False
-        g = twin[h]
-        if g // 3 == h // 3:  # a triangle sewn to itself is a cone, and Delaunay
-            continue
-        # The diamond around the edge from a to b: triangles (a, b, c) and (b, a, d).
-        bc, ca = h - h % 3 + (h + 1) % 3, h - h % 3 + (h + 2) % 3
-        ad, db = g - g % 3 + (g + 1) % 3, g - g % 3 + (g + 2) % 3
-        ab = length[h]
-        xc, yc = apex(ab, length[bc], length[ca])
-        xd, yd = apex(ab, length[db], length[ad])
+        Returns whether that took no more than ``most`` flips.
+        """
+        waiting = list(range(len(self.twin)))
+        is_waiting = [True] * len(waiting)
+        flips = 0
+        while waiting:
+            h = waiting.pop()
+            is_waiting[h] = False
+            if self._is_delaunay(h):
+                continue
+            if flips == most:
+                return False
+            flips += 1
+            for side in self._flip(h):
+                if not (is_waiting[side] or is_waiting[self.twin[side]]):
+                    is_waiting[side] = True
+                    waiting.append(side)
+        return True
+
+    def _is_delaunay(self, h: int) -> bool:
+        """Whether the two angles opposite this edge sum to at most 180 degrees."""
+        if self.twin[h] // 3 == h // 3:  # a triangle sewn to itself is a cone, and Delaunay
+            return True
+        ab = self.length[h]
+        (xc, yc), (xd, yd) = self._tips(h)
         # The sine of the sum of the angles at c and at d, by products of the sides there.
         cos_c, cos_d = xc * (xc - ab) + yc * yc, xd * (xd - ab) + yd * yd
-        size = length[bc] * length[ca] * length[ad] * length[db]
-        if ab * (yc * cos_d + cos_c * yd) >= -ROUNDING * size:
-            continue
-        if flips == most:
-            return False
-        flips += 1
+        sides = math.prod(self.length[side] for side in self._diamond(h))
+        return ab * (yc * cos_d - cos_c * yd) >= -ROUNDING * sides
 
-        # The triangles become (d, c, a) on h's sides and (c, d, b) on g's.
-        cd = np.hypot(xc - xd, yc + yd)
-        at_c, at_d = tail[ca], tail[db]
-        side_ca, side_ad, side_db, side_bc = length[ca], length[ad], length[db], length[bc]
-        twin_ca, twin_ad, twin_db, twin_bc = twin[ca], twin[ad], twin[db], twin[bc]
-        at_a, at_b = tail[h], tail[g]
-        new_ca, new_ad, new_db, new_bc = bc, ca, ad, db
-        tail[h], tail[new_ca], tail[new_ad] = at_d, at_c, at_a
-        tail[g], tail[new_db], tail[new_bc] = at_c, at_d, at_b
-        length[h] = length[g] = cd
-        length[new_ca], length[new_ad] = side_ca, side_ad
-        length[new_db], length[new_bc] = side_db, side_bc
-        for new, other in (
-            (new_ca, twin_ca), (new_ad, twin_ad), (new_db, twin_db), (new_bc, twin_bc),
-        ):  # fmt: skip
-            # The diamond's sides may be sewn to one another; then both have moved.
-            if other == ca:
-                other = new_ca
-            elif other == ad:
-                other = new_ad
-            elif other == db:
-                other = new_db
-            elif other == bc:
-                other = new_bc
-            twin[new], twin[other] = other, new
-        for side in (new_ca, new_ad, new_db, new_bc):
-            if not (is_waiting[side] or is_waiting[twin[side]]):
-                is_waiting[side] = True
-                waiting[count] = side
-                count += 1
-    return True
+    def _diamond(self, h: int) -> tuple[int, int, int, int]:
+        """Half-edges bc, ca, ad, db of the triangles (a, b, c) and (b, a, d) at h from a to b."""
+        g = self.twin[h]
+        return _next(h), _next(_next(h)), _next(g), _next(_next(g))
+
+    def _tips(self, h: int) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Where c and d lie if the diamond is laid out with a = (0, 0) and b = (ab, 0)."""
+        bc, ca, ad, db = (self.length[side] for side in self._diamond(h))
+        xd, yd = _tip(self.length[h], db, ad)
+        return _tip(self.length[h], bc, ca), (xd, -yd)
+
+    def _flip(self, h: int) -> list[int]:
+        """Replace ab by cd: (d, c, a) takes the half-edges of h, (c, d, b) those of its twin.
+
+        Returns the half-edges of the diamond's four sides.
+        """
+        g, (bc, ca, ad, db) = self.twin[h], self._diamond(h)
+        (xc, yc), (xd, yd) = self._tips(h)
+        moved = {ca: bc, ad: ca, db: ad, bc: db}  # each side, and where it is stored from now on
+        sides = [(self.tail[side], self.twin[side], self.length[side]) for side in moved]
+        self.tail[h], self.tail[g] = self.tail[db], self.tail[ca]
+        self.length[h] = self.length[g] = math.hypot(xc - xd, yc - yd)
+        for to, (tail, twin, length) in zip(moved.values(), sides, strict=True):
+            twin = moved.get(twin, twin)  # the diamond's sides may be sewn to one another
+            self.tail[to], self.length[to] = tail, length
+            self.twin[to], self.twin[twin] = twin, to
+        return list(moved.values())
+
+
+def _next(h: int) -> int:
+    """The half-edge that follows in the same triangle."""
+    return h - 2 if h % 3 == 2 else h + 1
+
+
+def _tip(ab: float, bc: float, ca: float) -> tuple[float, float]:
+    """Where c lies above the line from a = (0, 0) to b = (ab, 0)."""
+    x = (ab + (ca - bc) * (ca + bc) / ab) / 2
+    return x, 2 * _area(ab, bc, ca) / ab
+
+
+def _area(*sides: float) -> float:
+    """Heron's formula as Kahan writes it: accurate for needles too."""
+    c, b, a = sorted(sides)
+    product = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c))
+    return math.sqrt(max(product, 0.0)) / 4

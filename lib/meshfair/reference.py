@@ -1,13 +1,20 @@
-"""libigl's matrices in this package's conventions, to compare the hand-written ones with."""
+"""libigl's matrices in this package's conventions, to compare the hand-written ones with.
+
+References
+----------
+.. [libigl] A. Jacobson, D. Panozzo, and others, "libigl: A simple C++ geometry processing
+   library", 2018.
+"""
 
 import igl
+from numpy.typing import ArrayLike
 from scipy.sparse import csr_array, diags_array
 
 from meshfair.checks import check_faces, check_mesh
 
 
-def adjacency(F, n):
-    """libigl's adjacency matrix, as `meshfair.weights.combinatorial` gives it.
+def adjacency(F: ArrayLike, n: int) -> csr_array:
+    """libigl's adjacency matrix [libigl]_, as `meshfair.weights.combinatorial` gives it.
 
     libigl's size is the largest index plus one; here it is always (n, n).
 
@@ -32,11 +39,11 @@ def adjacency(F, n):
     return A
 
 
-def cotangent(V, F):
-    """libigl's cotangent matrix, as `meshfair.weights.cotangent` gives its weights.
+def cotangent(V: ArrayLike, F: ArrayLike) -> csr_array:
+    """libigl's cotangent matrix [libigl]_, as `meshfair.weights.cotangent` gives its weights.
 
     ``igl.cotmatrix`` is -L: negative semidefinite, with w_ij = (cot + cot) / 2
-    off the diagonal. It counts a repeated face twice, and gives NaN where a
+    off the diagonal. It counts a duplicate face twice, and gives NaN where a
     face is degenerate.
 
     Parameters
@@ -58,8 +65,8 @@ def cotangent(V, F):
     return csr_array(C - diags_array(C.diagonal()))
 
 
-def mass(V, F):
-    """libigl's barycentric mass matrix, as `meshfair.operators.mass` gives it.
+def mass(V: ArrayLike, F: ArrayLike) -> csr_array:
+    """libigl's barycentric mass matrix [libigl]_, as `meshfair.operators.mass` gives it.
 
     Parameters
     ----------

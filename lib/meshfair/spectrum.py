@@ -2,22 +2,30 @@
 
 With symmetric weights W and d_i > 0 the averaging operator W~ = D^-1 W has n
 real eigenvalues lambda = 1 - mu and eigenvectors that are orthonormal in the
-inner product of D, from L phi = mu D phi. A small mu is a slow wave over the
-mesh, its shape; a large one is fast, its noise. These are dense problems: a
+inner product of D, from L phi = mu D phi: the mesh's eigenmodes. One with a
+small mu varies slowly over the mesh and carries its shape; one with a large mu
+varies fast and carries its noise [Taubin95]_. These are dense problems: a
 second for a thousand vertices, and the third power of that for more.
+
+References
+----------
+.. [Taubin95] G. Taubin, "A signal processing approach to fair surface design",
+   SIGGRAPH 1995.
 """
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.linalg import eigh, eigvalsh
+from scipy.sparse import sparray
 
-from meshfair.checks import MeshError, check_number, check_vertices
+from meshfair.checks import Floats, MeshError, check_count, check_number, check_vertices
 from meshfair.operators import degrees, laplacian
 
 LARGEST = 4000  # vertices: a matrix of 128 MB, half a minute
 
 
-def _dense(W):
-    """L and D as dense arrays, or say why there is no spectrum."""
+def _dense(W: sparray) -> tuple[Floats, Floats]:
+    """L and D as dense arrays, of a mesh that has a spectrum."""
     L, d = laplacian(W), degrees(W)
     if len(d) > LARGEST:
         raise MeshError(
@@ -32,7 +40,7 @@ def _dense(W):
     return L.toarray(), np.diag(d)
 
 
-def eigenvalues(W):
+def eigenvalues(W: sparray) -> Floats:
     """All eigenvalues of the averaging operator W~ = D^-1 W, the largest first.
 
     Parameters
@@ -56,8 +64,8 @@ def eigenvalues(W):
     return 1 - eigvalsh(*_dense(W))
 
 
-def eigenmodes(W):
-    """Eigenvalues of W~ with their eigenvectors, the mesh's waves.
+def eigenmodes(W: sparray) -> tuple[Floats, Floats]:
+    """Eigenvalues of W~ with their eigenvectors, the mesh's eigenmodes.
 
     Parameters
     ----------
@@ -68,7 +76,7 @@ def eigenmodes(W):
     eigenvalues : ndarray of float64, shape (n,)
         As `eigenvalues` gives them.
     Phi : ndarray of float64, shape (n, n)
-        One wave a column, Phi' D Phi = I.
+        One eigenmode a column, Phi' D Phi = I.
 
     Raises
     ------
@@ -79,8 +87,8 @@ def eigenmodes(W):
     return 1 - mu, Phi
 
 
-def coefficients(V, W, Phi):
-    """How much of each wave is in a mesh: the norm of its three coefficients.
+def coefficients(V: ArrayLike, W: sparray, Phi: Floats) -> Floats:
+    """How much of each eigenmode is in a mesh: the norm of its three spectral coefficients.
 
     Parameters
     ----------
@@ -98,8 +106,8 @@ def coefficients(V, W, Phi):
     return np.linalg.norm(Phi.T @ (degrees(W)[:, None] * check_vertices(V)), axis=1)
 
 
-def transfer_function(eigenvalues, tau, iterations=1):
-    """The factor by which heat steps multiply each wave: (1 - tau + tau lambda)^s.
+def transfer_function(eigenvalues: ArrayLike, tau: float, iterations: int = 1) -> Floats:
+    """The factor by which heat steps multiply each eigenmode: (1 - tau + tau lambda)^s.
 
     Parameters
     ----------
@@ -118,7 +126,8 @@ def transfer_function(eigenvalues, tau, iterations=1):
     Raises
     ------
     ValueError
-        tau not finite.
+        tau not finite, or ``iterations`` no whole number >= 0.
     """
     tau = check_number(tau, "tau", -np.inf)
+    iterations = check_count(iterations, "iterations")
     return (1 - tau + tau * np.asarray(eigenvalues, dtype=float)) ** iterations

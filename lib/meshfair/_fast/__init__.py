@@ -20,8 +20,8 @@ from typing import Any
 ROWS = 20_000
 
 _MODULES = (
-    "cg", "compiled", "faces", "filters", "flow", "kernels", "multigrid", "operators", "ordering",
-    "pattern", "stability", "weights",
+    "cg", "creases", "faces", "filters", "flow", "intrinsic", "kernels", "multigrid",
+    "neighbourhoods", "operators", "ordering", "pattern", "stability", "weights",
 )  # fmt: skip
 
 

@@ -1,68 +1,11 @@
-"""What the experiments are made of, by name: meshes, noise models, weights."""
-
-from functools import lru_cache, partial
-from pathlib import Path
+"""What the explorers still ask for by name: noise models, weights."""
 
 import numpy as np
 
-from meshfair import datasets, io, noise, shapes, weights
+from meshfair import noise, weights
 from meshfair.operators import averaging
 
-MESHES = {
-    "knot": shapes.knot,
-    "fine knot": partial(shapes.knot, 480, 48),
-    "torus": shapes.torus,
-    "sphere": shapes.icosphere,
-    "large sphere": partial(shapes.icosphere, 6),
-    "box": shapes.box,
-    "jet": shapes.jet,
-    "jet without missiles": partial(shapes.jet, missiles=False),
-}
-
 WEIGHTS, NOISE = weights.BY_NAME, noise.MODELS
-
-
-class NotDownloadedError(LookupError):
-    """A real mesh that is not in the cache; the message says how to get it."""
-
-
-@lru_cache(maxsize=16)
-def load_mesh(name):
-    """A mesh by its name: a built-in shape, a downloaded mesh, or a file.
-
-    Parameters
-    ----------
-    name : str
-        One of `MESHES`, one of `meshfair.datasets.SOURCES`, or a path.
-
-    Returns
-    -------
-    V : ndarray of float64, shape (n, 3), read-only
-    F : ndarray of int64, shape (m, 3), read-only
-
-    Raises
-    ------
-    NotDownloadedError
-        A real mesh that ``make data`` has not fetched.
-    MeshError
-        A file that is no mesh.
-    ValueError
-        A name that is none of these.
-    """
-    if name in MESHES:
-        V, F = MESHES[name]()
-    elif name in datasets.SOURCES:
-        path = datasets.find(name)
-        if path is None:
-            raise NotDownloadedError(f"{name} is not downloaded; run: make data")
-        V, F = io.read(path)
-    elif Path(name).suffix:
-        V, F = io.read(name)
-    else:
-        known = ", ".join([*MESHES, *datasets.SOURCES])
-        raise ValueError(f"no mesh is called {name!r}; there are {known}, or give a file's path")
-    V.flags.writeable = F.flags.writeable = False  # the cache hands them out again
-    return V, F
 
 
 def add_noise(V, F, model, seed, *, size=None, decibels=None):

@@ -1,16 +1,43 @@
-"""Bilateral mesh denoising: the image filter's idea, on heights over the tangent plane."""
+"""Bilateral mesh denoising: the image filter's idea, on heights over the tangent plane.
+
+References
+----------
+.. [FDCo03] S. Fleishman, I. Drori, D. Cohen-Or, "Bilateral mesh denoising", ACM Transactions
+   on Graphics 22(3), 2003.
+"""
+
+from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import ArrayLike
+from scipy.sparse import csr_array
 
-from meshfair import weights
-from meshfair._fast.kernels import compiled, on_all_cores
-from meshfair.checks import check_count, check_fixed, check_mesh, check_number
-from meshfair.filters.neighbourhoods import BLOCK, incidence, within
-from meshfair.mesh import Edges, face_shapes
+from meshfair import _fast, weights
+from meshfair.checks import (
+    Booleans,
+    Floats,
+    check_count,
+    check_fixed,
+    check_mesh,
+    check_number,
+)
+from meshfair.filters.neighbourhoods import entries, squared_distances, within
+from meshfair.mesh import Edges, face_shapes, normalised
+from meshfair.mesh.geometry import incidence
+
+# The least sigma_s, in sigma_c: on a plane all heights are 0, and so is their deviation.
+LEAST_DEVIATION = 1e-6
 
 
-def bilateral(V, F, *, iterations=5, radius=2.0, fixed=None):
-    """Bilateral mesh denoising [FDCo03], as an iterator.
+def bilateral(
+    V: ArrayLike,
+    F: ArrayLike,
+    *,
+    iterations: int = 5,
+    radius: float = 2.0,
+    fixed: ArrayLike | None = None,
+) -> Iterator[tuple[float, Floats]]:
+    """Bilateral mesh denoising [FDCo03]_, as an iterator.
 
     Each vertex moves along its normal n by a mean of the heights
     h = <q - v, n> of the vertices q around it (itself among them),
@@ -24,44 +51,27 @@ def bilateral(V, F, *, iterations=5, radius=2.0, fixed=None):
 
     Parameters
     ----------
-    V : array_like, shape (n, 3)
-    F : array_like of integers, shape (m, 3)
+    V, F, fixed
+        As in `meshfair.filters.averaging`, and so are the iterator and its errors.
     iterations : int
     radius : float
         How far the neighbourhood goes, in sigma_c; it is grown through the mesh.
-    fixed : array_like, optional
-        Vertices that keep their place, as a boolean mask (n,) or as indices.
-
-    Yields
-    ------
-    progress : float
-        The part of the work that is done; 1 at the end.
-    V : ndarray of float64, shape (n, 3)
-
-    Raises
-    ------
-    MeshError, ValueError
-        No mesh, or a parameter outside its range.
     """
     V, F = check_mesh(V, F)
     iterations = check_count(iterations, "iterations")
     radius = check_number(radius, "radius", 0, open_low=True)
-    held = check_fixed(fixed, len(V))
+    fixed = check_fixed(fixed, len(V))
     edges, B = Edges(F, len(V)), incidence(F, len(V))
     for step in range(1, iterations + 1):
         lengths = weights.distance(V, edges)
         sigma_c = shortest_edges(lengths)
         near = within(V, lengths, radius * sigma_c)
-        N = B @ face_shapes(V, F)[0]
-        moved = np.empty_like(V)
-        on_all_cores(
-            _bilateral, len(V), V, N, near.indptr, near.indices, sigma_c, held, moved, block=BLOCK
-        )
-        V = moved
+        N = normalised(B @ face_shapes(V, F)[0])
+        V = move_along_normals(V, N, near, sigma_c, fixed)
         yield step / iterations, V
 
 
-def shortest_edges(lengths):
+def shortest_edges(lengths: csr_array) -> Floats:
     """The length of the shortest edge at each vertex; 0 at one without edges.
 
     Parameters
@@ -80,30 +90,39 @@ def shortest_edges(lengths):
     return shortest
 
 
-@compiled
-def _bilateral(first, last, V, N, start, near, sigma_c, held, moved):
-    for i in range(first, last):
-        moved[i, 0], moved[i, 1], moved[i, 2] = V[i, 0], V[i, 1], V[i, 2]
-        length = np.sqrt(N[i, 0] ** 2 + N[i, 1] ** 2 + N[i, 2] ** 2)
-        if held[i] or length == 0 or sigma_c[i] == 0:
-            continue
-        nx, ny, nz = N[i, 0] / length, N[i, 1] / length, N[i, 2] / length
-        count = start[i + 1] - start[i]
-        h = np.empty(count)
-        for p in range(count):
-            q = near[start[i] + p]
-            x, y, z = V[q, 0] - V[i, 0], V[q, 1] - V[i, 1], V[q, 2] - V[i, 2]
-            h[p] = x * nx + y * ny + z * nz
-        variance = max(np.var(np.abs(h)), (1e-6 * sigma_c[i]) ** 2)
-        total = height = 0.0
-        for p in range(count):
-            q = near[start[i] + p]
-            x, y, z = V[q, 0] - V[i, 0], V[q, 1] - V[i, 1], V[q, 2] - V[i, 2]
-            w = np.exp(
-                -(x * x + y * y + z * z) / (2 * sigma_c[i] ** 2) - h[p] ** 2 / (2 * variance)
-            )
-            total += w
-            height += w * h[p]
-        moved[i, 0] += nx * height / total
-        moved[i, 1] += ny * height / total
-        moved[i, 2] += nz * height / total
+def move_along_normals(
+    V: Floats, N: Floats, near: csr_array, sigma_c: Floats, fixed: Booleans
+) -> Floats:
+    """Move each vertex along its normal by the weighted mean height of those near it.
+
+    Parameters
+    ----------
+    V : ndarray of float64, shape (n, 3)
+    N : ndarray of float64, shape (n, 3)
+        Unit normals; a vertex whose normal is zero keeps its place.
+    near : csr_array, shape (n, n)
+        Row i lists the vertices q around vertex i, and itself.
+    sigma_c : ndarray of float64, shape (n,)
+        In the units of ``V``; a vertex where it is 0 keeps its place.
+    fixed : ndarray of bool, shape (n,)
+
+    Returns
+    -------
+    ndarray of float64, shape (n, 3)
+    """
+    if _fast.wanted(len(V)):
+        return _fast.filters.move_along_normals(V, N, near, sigma_c, LEAST_DEVIATION, fixed)
+
+    i, j = entries(near)
+
+    def mean_around(x: Floats, w: Floats) -> Floats:
+        return np.bincount(i, w * x, len(V)) / np.bincount(i, w, len(V))
+
+    h = np.sum((V[j] - V[i]) * N[i], axis=1)
+    size, equal = np.abs(h), np.ones_like(h)
+    variance = mean_around((size - mean_around(size, equal)[i]) ** 2, equal)
+    moves = ~fixed & (sigma_c > 0)
+    sigma_c = np.where(moves, sigma_c, 1.0)
+    sigma_s = np.maximum(np.sqrt(variance), LEAST_DEVIATION * sigma_c)
+    w = np.exp(-squared_distances(V, i, j) / (2 * sigma_c[i] ** 2) - h**2 / (2 * sigma_s[i] ** 2))
+    return V + np.where(moves, mean_around(h, w), 0.0)[:, None] * N

@@ -2,13 +2,25 @@
 
 All work with each of the original report's three edge weights. Steps and strengths do not
 depend on the mesh's scale: they are multiples of its mean edge length.
+
+References
+----------
+.. [MD99] M. Desbrun, M. Meyer, P. Schroeder, A. Barr, "Implicit fairing of irregular
+   meshes using diffusion and curvature flow", SIGGRAPH 1999.
+.. [Taubin95] G. Taubin, "A signal processing approach to fair surface design",
+   SIGGRAPH 1995.
 """
 
+from collections.abc import Callable, Iterator
+
 import numpy as np
-from scipy.sparse import diags_array
+from numpy.typing import ArrayLike
+from scipy.sparse import csr_array, diags_array
 
 from meshfair import flow, solve
 from meshfair.checks import (
+    Floats,
+    Integers,
     MeshError,
     check_choice,
     check_count,
@@ -22,31 +34,14 @@ from meshfair.operators import laplacian, mass
 from meshfair.weights import BY_NAME
 
 
-def edge_weights(V, edges, kind, length):
-    """One of the original report's three edge weights, free of the mesh's scale.
-
-    Parameters
-    ----------
-    V : ndarray of float64, shape (n, 3)
-    edges : Edges
-    kind : {"combinatorial", "distance", "cotangent"}
-    length : float
-        What distances are divided by, in the units of ``V``.
-
-    Returns
-    -------
-    csr_array of float64, shape (n, n)
-
-    Raises
-    ------
-    ValueError
-        Another kind.
-    """
-    W = BY_NAME[check_choice(kind, "weights", BY_NAME)](V, edges)
-    return W / length if kind == "distance" else W
-
-
-def averaging(V, F, *, weights="combinatorial", iterations=2, fixed=None):
+def averaging(
+    V: ArrayLike,
+    F: ArrayLike,
+    *,
+    weights: str = "combinatorial",
+    iterations: int = 2,
+    fixed: ArrayLike | None = None,
+) -> Iterator[tuple[float, Floats]]:
     """Iterated averaging V~ = W~^s V, as an iterator.
 
     Parameters
@@ -80,27 +75,25 @@ def averaging(V, F, *, weights="combinatorial", iterations=2, fixed=None):
     yield from heat(V, F, weights=weights, tau=1.0, time=iterations, fixed=fixed)
 
 
-def heat(V, F, *, weights="combinatorial", tau=0.2, time=2.0, fixed=None):
+def heat(
+    V: ArrayLike,
+    F: ArrayLike,
+    *,
+    weights: str = "combinatorial",
+    tau: float = 0.2,
+    time: float = 2.0,
+    fixed: ArrayLike | None = None,
+) -> Iterator[tuple[float, Floats]]:
     """The heat flow by forward Euler, V+ = (1 - tau) V + tau W~ V, as an iterator.
 
     Parameters
     ----------
     V, F, weights, fixed
-        As in `averaging`.
+        As in `averaging`, and so are the iterator and its errors.
     tau : float
         Time step, above 0, best at most 1.
     time : float
         How long to flow.
-
-    Yields
-    ------
-    progress, V
-        As in `averaging`.
-
-    Raises
-    ------
-    MeshError, ValueError
-        No mesh, or a parameter outside its range.
 
     Warns
     -----
@@ -109,16 +102,24 @@ def heat(V, F, *, weights="combinatorial", tau=0.2, time=2.0, fixed=None):
     """
     V, F = check_mesh(V, F)
     tau = check_number(tau, "tau", 0, open_low=True)
-    length = mean_edge_length(V, F)
-    A = averaging_operator(edge_weights(V, Edges(F, len(V)), weights, length))
+    A = averaging_operator(_edge_weights(V, F, weights))
     states = flow.heat(V, A, tau, time, fixed=fixed)
     next(states)  # at time 0
-    for t, V in states:
-        yield min(1.0, t / time), V
+    for t, X in states:
+        yield min(1.0, t / time), X
 
 
-def taubin(V, F, *, weights="combinatorial", lam=0.5, mu=-0.53, iterations=10, fixed=None):
-    """Taubin's filter [T95], as an iterator: smoothing without shrinking.
+def taubin(
+    V: ArrayLike,
+    F: ArrayLike,
+    *,
+    weights: str = "combinatorial",
+    lam: float = 0.5,
+    mu: float = -0.53,
+    iterations: int = 10,
+    fixed: ArrayLike | None = None,
+) -> Iterator[tuple[float, Floats]]:
+    """Taubin's filter [Taubin95]_, as an iterator: smoothing without shrinking.
 
     Each iteration is a step of heat flow and a slightly larger one backwards,
     V <- V + lambda (W~ - I) V, then V <- V + mu (W~ - I) V: a low-pass filter
@@ -127,37 +128,35 @@ def taubin(V, F, *, weights="combinatorial", lam=0.5, mu=-0.53, iterations=10, f
     Parameters
     ----------
     V, F, weights, fixed
-        As in `averaging`.
+        As in `averaging`, and so are the iterator and its errors.
     lam, mu : float
         lambda > 0 and mu < -lambda.
     iterations : int
-
-    Yields
-    ------
-    progress, V
-        As in `averaging`.
-
-    Raises
-    ------
-    MeshError, ValueError
-        No mesh, or a parameter outside its range.
     """
     V, F = check_mesh(V, F)
     lam = check_number(lam, "lam", 0, 1, open_low=True)
     mu = check_number(mu, "mu", -np.inf, -lam)
     iterations = check_count(iterations, "iterations")
     free = ~check_fixed(fixed, len(V))[:, None]
-    A = averaging_operator(edge_weights(V, Edges(F, len(V)), weights, mean_edge_length(V, F)))
+    A = averaging_operator(_edge_weights(V, F, weights))
+    X: Floats = V
     for step in range(1, iterations + 1):
         for factor in (lam, mu):
-            V = V + factor * free * (A @ V - V)
-        yield step / iterations, V
+            X = X + factor * free * (A @ X - X)
+        yield step / iterations, X
 
 
 def implicit(
-    V, F, *, weights="cotangent", step=0.25, iterations=1, keep_volume=False, fixed=None
-):  # fmt: skip
-    """Implicit fairing [MD99], as an iterator: backward Euler steps of the diffusion.
+    V: ArrayLike,
+    F: ArrayLike,
+    *,
+    weights: str = "cotangent",
+    step: float = 0.25,
+    iterations: int = 1,
+    keep_volume: bool = False,
+    fixed: ArrayLike | None = None,
+) -> Iterator[tuple[float, Floats]]:
+    """Implicit fairing [MD99]_, as an iterator: backward Euler steps of the diffusion.
 
     (M + t L) V+ = M V with the mass matrix M and the Laplacian L = D - W,
     both built anew from the positions before each step. Stable for every t.
@@ -165,7 +164,8 @@ def implicit(
     Parameters
     ----------
     V, F, weights, fixed
-        As in `averaging`. With cotangent weights this is mean curvature flow.
+        As in `averaging`, and so are the iterator and its errors. With
+        cotangent weights this is mean curvature flow.
     step : float
         t, in squared mean edge lengths of the input.
     iterations : int
@@ -173,16 +173,10 @@ def implicit(
         After each step, scale the mesh about its centroid back to the
         volume it had at the start.
 
-    Yields
-    ------
-    progress, V
-        As in `averaging`.
-
     Raises
     ------
     MeshError, ValueError
-        No mesh, a parameter outside its range, ``keep_volume`` on an open
-        mesh or together with ``fixed``.
+        Also: ``keep_volume`` on an open mesh or together with ``fixed``.
     SolveError
         The linear system could not be solved.
     """
@@ -192,14 +186,21 @@ def implicit(
     rescale = volume_keeper(V, F, keep_volume, fixed)
     edges, length = Edges(F, len(V)), mean_edge_length(V, F)
     for k in range(1, iterations + 1):
-        L = laplacian(edge_weights(V, edges, weights, length))
+        L = _laplacian(V, edges, weights, length)
         V = rescale(solve.implicit_step(V, L, mass(V, F), step * length**2, fixed=fixed))
         yield k / iterations, V
 
 
 def regularised(
-    V, F, *, weights="cotangent", order=1, lam=0.25, keep_volume=False, fixed=None
-):  # fmt: skip
+    V: ArrayLike,
+    F: ArrayLike,
+    *,
+    weights: str = "cotangent",
+    order: int = 1,
+    lam: float = 0.25,
+    keep_volume: bool = False,
+    fixed: ArrayLike | None = None,
+) -> Iterator[tuple[float, Floats]]:
     """Quadratic regularisation, as the original report's conclusion proposes it, as an iterator.
 
     The minimiser of |V' - V|_M^2 + lambda E(V'), with a penalty on the gradient
@@ -214,29 +215,19 @@ def regularised(
     Parameters
     ----------
     V, F, weights, fixed
-        As in `averaging`.
+        As in `implicit`; it yields once.
     order : {1, 2}
     lam : float
         lambda, in mean edge lengths to the power 2 (order 1) or 4 (order 2).
     keep_volume : bool
         As in `implicit`.
-
-    Yields
-    ------
-    progress, V
-        As in `averaging`: once.
-
-    Raises
-    ------
-    MeshError, ValueError, SolveError
-        As `implicit`.
     """
     V, F = check_mesh(V, F)
     check_choice(order, "order", (1, 2))
     lam = check_number(lam, "lam", 0)
     rescale = volume_keeper(V, F, keep_volume, fixed)
     length = mean_edge_length(V, F)
-    L = laplacian(edge_weights(V, Edges(F, len(V)), weights, length))
+    L = _laplacian(V, F, weights, length)
     M = mass(V, F)
     if order == 2:
         m = M.diagonal()
@@ -245,7 +236,19 @@ def regularised(
     yield 1.0, rescale(solve.implicit_step(V, L, M, lam * length ** (2 * order), fixed=fixed))
 
 
-def volume_keeper(V, F, keep_volume, fixed):
+def _edge_weights(V: Floats, F: Integers | Edges, kind: str) -> csr_array:
+    """One of the original report's three edge weights."""
+    return BY_NAME[check_choice(kind, "weights", BY_NAME)](V, F)
+
+
+def _laplacian(V: Floats, F: Integers | Edges, kind: str, length: float) -> csr_array:
+    """L = D - W of the mesh measured in this length, so that its scale does not matter."""
+    return laplacian(_edge_weights(V / (length or 1.0), F, kind))
+
+
+def volume_keeper(
+    V: Floats, F: Integers, keep_volume: bool, fixed: ArrayLike | None
+) -> Callable[[Floats], Floats]:
     """A function that scales positions about their centroid to the volume that V has.
 
     Parameters
@@ -255,7 +258,7 @@ def volume_keeper(V, F, keep_volume, fixed):
     keep_volume : bool
         Without it, the function leaves positions as they are.
     fixed : array_like or None
-        Vertices that are held.
+        Constrained vertices.
 
     Returns
     -------
@@ -264,7 +267,7 @@ def volume_keeper(V, F, keep_volume, fixed):
     Raises
     ------
     MeshError, ValueError
-        The mesh is open or encloses nothing; vertices are held, which scaling
+        The mesh is open or encloses nothing; vertices are fixed, which scaling
         would move.
     """
     if not keep_volume:
@@ -275,7 +278,7 @@ def volume_keeper(V, F, keep_volume, fixed):
     if not is_closed(F) or target == 0:
         raise MeshError("keep_volume needs a closed mesh with a volume; this one has none")
 
-    def rescale(X):
+    def rescale(X: Floats) -> Floats:
         ratio = target / volume(X, F)
         if ratio <= 0:
             raise MeshError("the step turned the mesh inside out; take a smaller one")

@@ -1,34 +1,53 @@
-"""Guided normal filtering: the normals of the most consistent patches show where edges are."""
+"""Guided normal filtering: the normals of the most consistent patches show where edges are.
+
+References
+----------
+.. [Zhang15] W. Zhang, B. Deng, J. Zhang, S. Bouaziz, L. Liu, "Guided mesh normal filtering",
+   Computer Graphics Forum 34(7), 2015.
+"""
+
+from collections.abc import Iterator
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
-from meshfair._fast.kernels import compiled, on_all_cores
-from meshfair.checks import check_count, check_fixed, check_mesh, check_number
-from meshfair.filters.neighbourhoods import (
-    BLOCK,
-    adjacent_faces,
-    face_rings,
-    incidence,
-    within,
+from meshfair import _fast
+from meshfair.checks import (
+    Floats,
+    Integers,
+    check_count,
+    check_fixed,
+    check_mesh,
+    check_number,
 )
+from meshfair.filters.neighbourhoods import adjacent_faces, entries, face_rings, within
 from meshfair.filters.normal_filtering import (
     joint_bilateral,
     mean_distance,
     move_vertices,
     spatial_weights,
 )
-from meshfair.mesh import face_shapes
+from meshfair.mesh import face_shapes, normalised
+from meshfair.mesh.geometry import incidence
 
 # Keeps the saliency of a flat patch finite; differences of unit normals are of size 1.
 FLAT = 1e-9
 
 
 def guided_normal(
-    V, F, *, sigma_normal=0.35, sigma_space=1.0, radius=2.0, iterations=20, vertex_iterations=10,
-    fixed=None,
-):  # fmt: skip
-    """Guided mesh normal filtering [ZDZBL15], as an iterator.
+    V: ArrayLike,
+    F: ArrayLike,
+    *,
+    sigma_normal: float = 0.35,
+    sigma_space: float = 1.0,
+    radius: float = 2.0,
+    iterations: int = 20,
+    vertex_iterations: int = 10,
+    fixed: ArrayLike | None = None,
+) -> Iterator[tuple[float, Floats]]:
+    """Guided mesh normal filtering [Zhang15]_, as an iterator.
 
     A joint bilateral filter: the weights
 
@@ -40,8 +59,8 @@ def guided_normal(
 
     Parameters
     ----------
-    V : array_like, shape (n, 3)
-    F : array_like of integers, shape (m, 3)
+    V, F, fixed
+        As in `meshfair.filters.averaging`, and so are the iterator and its errors.
     sigma_normal : float
         sigma_s: the difference of two guidance normals from which on the
         normals hardly mix.
@@ -53,19 +72,6 @@ def guided_normal(
     iterations, vertex_iterations : int
         How often the normals are filtered, and how often the vertices are
         moved each time.
-    fixed : array_like, optional
-        Vertices that keep their place, as a boolean mask (n,) or as indices.
-
-    Yields
-    ------
-    progress : float
-        The part of the work that is done; 1 at the end.
-    V : ndarray of float64, shape (n, 3)
-
-    Raises
-    ------
-    MeshError, ValueError
-        No mesh, or a parameter outside its range.
     """
     V, F = check_mesh(V, F)
     sigma_normal = check_number(sigma_normal, "sigma_normal", 0, open_low=True)
@@ -73,28 +79,57 @@ def guided_normal(
     radius = check_number(radius, "radius", 0, open_low=True)
     iterations = check_count(iterations, "iterations")
     vertex_iterations = check_count(vertex_iterations, "vertex_iterations", 1)
-    held = check_fixed(fixed, len(V))
+    fixed = check_fixed(fixed, len(V))
     B = incidence(F, len(V))
-    R = face_rings(B)
-    pairs = adjacent_faces(R)
-    across = csr_array(R == 2)
+    patches = Patches(face_rings(B))
     _, _, C = face_shapes(V, F)
-    near = within(C, R, np.full(len(F), radius * mean_distance(C, pairs)))
+    near = within(C, patches.rings, np.full(len(F), radius * mean_distance(C, patches.adjacent)))
     for step in range(1, iterations + 1):
         N, area, C = face_shapes(V, F)
-        G = guidance(R, across, N, area)
-        S = spatial_weights(near, C, area, sigma_space * mean_distance(C, pairs))
+        G = guidance(patches, N, area)
+        S = spatial_weights(near, C, area, sigma_space * mean_distance(C, patches.adjacent))
         N = joint_bilateral(S, N, G, sigma_normal)
         for _ in range(vertex_iterations):
-            V = move_vertices(V, F, B, N, held)
+            V = move_vertices(V, F, B, N, fixed)
         yield step / iterations, V
 
 
-def guidance(R, across, N, area):
+class Patches:
+    """The patch around each face: all faces that share a vertex with it, itself among them.
+
+    Parameters
+    ----------
+    rings : csr_array, shape (m, m)
+        Row i lists the faces of patch i, see
+        `meshfair.filters.neighbourhoods.face_rings`.
+    """
+
+    def __init__(self, rings: csr_array) -> None:
+        self.rings = rings
+        self.adjacent = adjacent_faces(rings)
+
+    @cached_property
+    def across(self) -> csr_array:
+        """Which faces share an edge; shape (m, m)."""
+        return csr_array(self.rings == 2)
+
+    @cached_property
+    def edges(self) -> csr_array:
+        """Which edges lie inside which patch: row i has 1 where both faces are in patch i.
+
+        Columns are in the order of ``adjacent``; shape (m, k).
+        """
+        f, g = self.adjacent
+        ones = np.ones(self.rings.nnz, dtype=bool)
+        member = csr_array((ones, self.rings.indices, self.rings.indptr), shape=self.rings.shape)
+        return csr_array(member[:, f].multiply(member[:, g]))
+
+
+def guidance(patches: Patches, N: Floats, area: Floats) -> Floats:
     """The guidance normals: the mean normal of the most consistent patch that has the face.
 
     The patches are the faces around a face, each with all that share a vertex
-    with it. Their consistency (smaller is better) is
+    with it. Their inconsistency (smaller is better) is
 
         H = max |n_j - n_k| * max_e |n_j - n_k| / (FLAT + sum_e |n_j - n_k|),
 
@@ -103,10 +138,7 @@ def guidance(R, across, N, area):
 
     Parameters
     ----------
-    R : csr_array, shape (m, m)
-        See `meshfair.filters.neighbourhoods.face_rings`.
-    across : csr_array, shape (m, m)
-        Which faces share an edge.
+    patches : Patches
     N : ndarray of float64, shape (m, 3)
         Unit normals.
     area : ndarray of float64, shape (m,)
@@ -116,63 +148,47 @@ def guidance(R, across, N, area):
     ndarray of float64, shape (m, 3)
         Unit vectors; zero where the patch's normals cancel.
     """
-    consistency, mean = np.empty(len(N)), np.empty_like(N)
-    on_all_cores(
-        _patches,
-        len(N),
-        R.indptr,
-        R.indices,
-        across.indptr,
-        across.indices,
-        N,
-        area,
-        consistency,
-        mean,
-        block=BLOCK,
-    )
-    G = np.empty_like(N)
-    on_all_cores(_choose, len(N), R.indptr, R.indices, consistency, mean, G, block=BLOCK)
-    return G
+    R = patches.rings
+    if _fast.wanted(len(N)):
+        return _fast.filters.guidance(R, patches.across, N, area, FLAT)
+    f, g = patches.adjacent
+    difference = np.linalg.norm(N[f] - N[g], axis=1)
+    patch, e = entries(patches.edges)
+    strongest, total = np.zeros(len(N)), np.bincount(patch, difference[e], len(N))
+    np.maximum.at(strongest, patch, difference[e])
+    H = widest_differences(R, N) * strongest / (FLAT + total)
+    mean = normalised(R.astype(bool) @ (area[:, None] * N))
+    return mean[_least_around(R, H)]
 
 
-@compiled
-def _patches(first, last, start, ring, start_across, across, N, area, consistency, mean):
-    """The consistency H of the patch around each face, and its mean normal."""
-    in_patch_of = np.full(len(N), -1, dtype=np.int32)
-    for i in range(first, last):
-        faces = ring[start[i] : start[i + 1]]
-        for j in faces:
-            in_patch_of[j] = i
-        x = y = z = 0.0
-        widest = strongest = total = 0.0
-        for a in range(len(faces)):
-            j = faces[a]
-            x += area[j] * N[j, 0]
-            y += area[j] * N[j, 1]
-            z += area[j] * N[j, 2]
-            for b in range(a):
-                k = faces[b]
-                dx, dy, dz = N[j, 0] - N[k, 0], N[j, 1] - N[k, 1], N[j, 2] - N[k, 2]
-                widest = max(widest, dx * dx + dy * dy + dz * dz)
-            for p in range(start_across[j], start_across[j + 1]):
-                k = across[p]
-                if k < j and in_patch_of[k] == i:
-                    dx, dy, dz = N[j, 0] - N[k, 0], N[j, 1] - N[k, 1], N[j, 2] - N[k, 2]
-                    difference = np.sqrt(dx * dx + dy * dy + dz * dz)
-                    strongest = max(strongest, difference)
-                    total += difference
-        consistency[i] = np.sqrt(widest) * strongest / (FLAT + total)
-        length = np.sqrt(x * x + y * y + z * z)
-        scale = 1 / length if length > 0 else 0.0
-        mean[i, 0], mean[i, 1], mean[i, 2] = x * scale, y * scale, z * scale
+def widest_differences(R: csr_array, N: Floats) -> Floats:
+    """max |n_j - n_k| over all pairs of faces that a row of R lists.
+
+    Parameters
+    ----------
+    R : csr_array, shape (m, m)
+    N : ndarray of float64, shape (m, 3)
+
+    Returns
+    -------
+    ndarray of float64, shape (m,)
+    """
+    size = np.diff(R.indptr)
+    widest = np.zeros(len(size))
+    for k in np.unique(size):  # all rows of k faces at once
+        rows = np.flatnonzero(size == k)
+        faces = R.indices[R.indptr[rows] + np.arange(k)[:, None]]
+        normals = N.T[:, faces]
+        for apart in range(1, k):
+            squared = np.sum((normals[:, apart:] - normals[:, :-apart]) ** 2, axis=0)
+            widest[rows] = np.maximum(widest[rows], np.sqrt(squared.max(axis=0)))
+    return widest
 
 
-@compiled
-def _choose(first, last, start, ring, consistency, mean, G):
-    """The mean normal of the most consistent of the patches around each face."""
-    for i in range(first, last):
-        best = i
-        for p in range(start[i], start[i + 1]):
-            if consistency[ring[p]] < consistency[best]:
-                best = ring[p]
-        G[i, 0], G[i, 1], G[i, 2] = mean[best, 0], mean[best, 1], mean[best, 2]
+def _least_around(R: csr_array, H: Floats) -> Integers:
+    """The face with the least H in each row of R: face i itself, or the first of them."""
+    i, j = entries(R)
+    least = np.minimum.reduceat(H[j], R.indptr[:-1])
+    where = np.flatnonzero(H[j] == least[i])
+    _, first = np.unique(i[where], return_index=True)
+    return np.where(H == least, np.arange(len(H)), j[where[first]])

@@ -1,30 +1,38 @@
-"""L0 minimisation: as few creases as possible, all other edges flat."""
+"""L0 minimisation: as few creases as possible, all other edges flat.
+
+References
+----------
+.. [HS13] L. He, S. Schaefer, "Mesh denoising via L0 minimization", ACM Transactions on
+   Graphics 32(4), 2013.
+"""
+
+from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.sparse import csr_array, eye_array
 
 from meshfair import solve
-from meshfair.checks import DEGENERATE, check_fixed, check_mesh, check_number
-from meshfair.mesh import mean_edge_length
-from meshfair.mesh.dihedral import dihedral_angles, interior_edges
+from meshfair.checks import DEGENERATE, Floats, check_fixed, check_mesh, check_number
+from meshfair.mesh import InteriorEdges, dihedral_angles, interior_edges, mean_edge_length
 
 # The residual that a solve may leave, relative to the mesh around its centre.
 TOLERANCE = 1e-6
 
 
 def l0(
-    V,
-    F,
+    V: ArrayLike,
+    F: ArrayLike,
     *,
-    lam=0.2,
-    regularity=0.1,
-    regularity_factor=0.5,
-    beta=1e-3,
-    beta_factor=1.414,
-    beta_max=1e3,
-    fixed=None,
-):
-    """Mesh denoising by L0 minimisation [HS13], as an iterator.
+    lam: float = 0.2,
+    regularity: float = 0.1,
+    regularity_factor: float = 0.5,
+    beta: float = 1e-3,
+    beta_factor: float = 1.414,
+    beta_max: float = 1e3,
+    fixed: ArrayLike | None = None,
+) -> Iterator[tuple[float, Floats]]:
+    """Mesh denoising by L0 minimisation [HS13]_, as an iterator.
 
     Seeks positions p near the noisy ones p* with few edges that are not flat,
 
@@ -40,8 +48,8 @@ def l0(
 
     Parameters
     ----------
-    V : array_like, shape (n, 3)
-    F : array_like of integers, shape (m, 3)
+    V, F, fixed
+        As in `meshfair.filters.averaging`, and so are the iterator and its errors.
     lam : float
         lambda, in squared mean edge lengths times the mean dihedral angle
         (the mean absolute angle, in radians, by which edges are bent).
@@ -52,19 +60,9 @@ def l0(
     beta, beta_factor, beta_max : float
         The first beta, what it is multiplied by after each iteration, and the
         bound from which on it ends. Stopping early leaves smooth parts smooth.
-    fixed : array_like, optional
-        Vertices that keep their place, as a boolean mask (n,) or as indices.
-
-    Yields
-    ------
-    progress : float
-        The part of the work that is done; 1 at the end.
-    V : ndarray of float64, shape (n, 3)
 
     Raises
     ------
-    MeshError, ValueError
-        No mesh, or a parameter outside its range.
     SolveError
         A linear system could not be solved.
     """
@@ -75,13 +73,13 @@ def l0(
     beta = check_number(beta, "beta", 0, open_low=True)
     beta_factor = check_number(beta_factor, "beta_factor", 1, open_low=True)
     beta_max = check_number(beta_max, "beta_max", 0, open_low=True)
-    held = check_fixed(fixed, len(V))
+    fixed = check_fixed(fixed, len(V))
 
     n = len(V)
     centre = V.mean(axis=0)  # the tolerance must not depend on where the mesh lies
     P_noisy = P = V - centre
     H = interior_edges(F)
-    bend = np.mean(dihedral_angles(P, H)) if len(H.corners) else 0.0
+    bend = float(np.mean(dihedral_angles(P, H))) if len(H.corners) else 0.0
     lam *= mean_edge_length(V, F) ** 2 * bend
     alpha *= bend
     R = edge_matrix(np.tile([1.0, -1.0, 1.0, -1.0], (len(H.corners), 1)), H, n)
@@ -92,14 +90,14 @@ def l0(
         d[np.sum(d**2, axis=1) <= lam / beta] = 0
         A = eye_array(n) + beta * (D.T @ D) + alpha * (R.T @ R)
         b = P_noisy + beta * (D.T @ d)
-        P = solve.spd(A, b, guess=P, fixed=held, tolerance=TOLERANCE)
+        P = solve.spd(A, b, guess=P, fixed=fixed, tolerance=TOLERANCE)
         beta *= beta_factor
         alpha *= regularity_factor
-        yield step / steps, np.where(held[:, None], V, P + centre)
+        yield step / steps, np.where(fixed[:, None], V, P + centre)
 
 
-def edge_operator(V, H):
-    """The area-based edge operator [HS13, section 3.2]: its coefficients at each hinge.
+def edge_operator(V: Floats, H: InteriorEdges) -> Floats:
+    """The area-based edge operator ([HS13]_, section 3.2): its coefficients at each edge.
 
     With h_2 and h_4 the vectors from the edge's line to p2 and to p4, at
     right angles to it, and A_2, A_4 the areas of the two triangles,
@@ -135,8 +133,8 @@ def edge_operator(V, H):
     return np.where(sound, [-(c2 + c3 + c4), c2, c3, c4], 0.0).T
 
 
-def edge_matrix(coefficients, H, n):
-    """The matrix of shape (k, n) with row e of ``coefficients`` at the corners of hinge e."""
+def edge_matrix(coefficients: Floats, H: InteriorEdges, n: int) -> csr_array:
+    """The matrix of shape (k, n) with row e of ``coefficients`` at the corners of edge e."""
     k = len(H.corners)
     starts = np.arange(0, 4 * k + 1, 4)
     return csr_array((coefficients.ravel(), H.corners.ravel(), starts), shape=(k, n))

@@ -1,46 +1,52 @@
-"""What all filters ask of a mesh: what lies around what, and the faces' shapes.
+"""What lies around what: neighbourhoods of vertices and of faces, as sparse matrices.
 
-Neighbourhoods are sparse matrices: row i lists what is near i.
+Row i lists what is near i.
 """
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, eye_array
 
-from meshfair._fast.kernels import compiled, on_all_cores
-
-# Rows that a thread takes at a time, where a row is as much work as here.
-BLOCK = 4096
+from meshfair import _fast
+from meshfair.checks import Floats, Integers
 
 
-def incidence(F, n):
-    """Which faces each vertex has.
+def entries(A: csr_array) -> tuple[Integers, Integers]:
+    """The row and the column of each stored entry of a matrix.
 
     Parameters
     ----------
-    F : ndarray of int64, shape (m, 3)
-    n : int
-        Number of vertices.
+    A : csr_array, shape (k, l)
 
     Returns
     -------
-    B : csr_array of int8, shape (n, m)
-        1 where the vertex is a corner of the face: row i lists the faces of
-        vertex i, ``B.indices[B.indptr[i] : B.indptr[i + 1]]``.
+    i, j : ndarrays of integers, shape (A.nnz,)
+        In the order in which ``A.data`` stores the entries, row after row.
     """
-    faces = np.repeat(np.arange(len(F)), 3)
-    ones = np.ones(3 * len(F), dtype=np.int8)
-    B = csr_array((ones, (F.ravel(), faces)), shape=(n, len(F)))
-    B.data[:] = 1  # a degenerate face may have a vertex twice
-    return B
+    return np.repeat(np.arange(A.shape[0]), np.diff(A.indptr)), A.indices
 
 
-def face_rings(B):
+def squared_distances(P: Floats, i: Integers, j: Integers) -> Floats:
+    """|p_i - p_j|^2 for pairs of rows of ``P``, shape (k, 3).
+
+    Parameters
+    ----------
+    P : ndarray of float64, shape (k, 3)
+    i, j : ndarrays of integers, shape (l,)
+
+    Returns
+    -------
+    ndarray of float64, shape (l,)
+    """
+    return sum((x[i] - x[j]) ** 2 for x in P.T)
+
+
+def face_rings(B: csr_array) -> csr_array:
     """Which faces share a vertex with each face.
 
     Parameters
     ----------
     B : csr_array, shape (n, m)
-        See `incidence`.
+        See `meshfair.mesh.geometry.incidence`.
 
     Returns
     -------
@@ -48,10 +54,12 @@ def face_rings(B):
         R = B' B, the number of vertices that two faces share: 1, or 2 where
         they share an edge, or 3 for a face with itself (and its duplicates).
     """
-    return (B.T @ B).T  # symmetric; the transpose of SciPy's product is stored by rows
+    R = (B.T @ B).T  # symmetric; the transpose of SciPy's product is stored by rows
+    R.sort_indices()  # so that two faces with the same ring sum over it in the same order
+    return R
 
 
-def adjacent_faces(R):
+def adjacent_faces(R: csr_array) -> tuple[Integers, Integers]:
     """The pairs of faces that share an edge.
 
     Parameters
@@ -68,7 +76,7 @@ def adjacent_faces(R):
     return f[f < g], g[f < g]
 
 
-def within(P, graph, radius):
+def within(P: Floats, graph: csr_array, radius: Floats) -> csr_array:
     """The points near each point, as far as they are reached through near points.
 
     Region growing: from each point along the graph's edges, never past a point
@@ -86,40 +94,17 @@ def within(P, graph, radius):
 
     Returns
     -------
-    csr_array of int8, shape (k, k)
-        Row i lists the points nearer to point i than its radius, itself first.
+    csr_array of bool, shape (k, k)
+        Row i lists point i and the points nearer to it than its radius.
     """
-    count = np.empty(len(P), dtype=np.int64)
-    rows = on_all_cores(_within, len(P), P, graph.indptr, graph.indices, radius, count, block=BLOCK)
-    near = np.concatenate(rows)
-    start = np.concatenate([[0], np.cumsum(count)])
-    return csr_array((np.ones(len(near), dtype=np.int8), near, start), shape=graph.shape)
-
-
-@compiled
-def _within(first, last, P, start, neighbours, radius, count):
-    """The rows of `within`, one after the other; their lengths go to ``count``."""
-    rows, filled = np.empty(16 * (last - first), dtype=np.int32), 0
-    near = np.empty(len(P), dtype=np.int32)  # the row that is being found
-    reached_from = np.full(len(P), -1, dtype=np.int32)
-    for i in range(first, last):
-        reached_from[i] = i
-        near[0] = i
-        head, end = 0, 1
-        while head < end:
-            j = near[head]
-            head += 1
-            for a in range(start[j], start[j + 1]):
-                k = neighbours[a]
-                if reached_from[k] != i:
-                    reached_from[k] = i
-                    x, y, z = P[k, 0] - P[i, 0], P[k, 1] - P[i, 1], P[k, 2] - P[i, 2]
-                    if x * x + y * y + z * z < radius[i] ** 2:
-                        near[end] = k
-                        end += 1
-        count[i] = end
-        while filled + end > len(rows):
-            rows = np.concatenate((rows, rows))
-        rows[filled : filled + end] = near[:end]
-        filled += end
-    return rows[:filled]
+    if _fast.wanted(len(P)):
+        return _fast.neighbourhoods.within(P, graph, radius)
+    ones = np.ones(graph.nnz, dtype=bool)  # an edge of length 0 connects, too
+    connected = csr_array((ones, graph.indices, graph.indptr), shape=graph.shape)
+    near = frontier = eye_array(len(P), dtype=bool, format="csr")
+    while frontier.nnz:  # all regions grow by one step at once
+        i, j = entries((frontier @ connected) > near)
+        close = squared_distances(P, i, j) < radius[i] ** 2
+        frontier = csr_array((close[close], (i[close], j[close])), shape=graph.shape)
+        near = near + frontier
+    return near

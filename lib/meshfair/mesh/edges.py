@@ -37,8 +37,7 @@ class Edges:
     Parameters
     ----------
     F : array_like of integers, shape (m, 3)
-        Not to be changed while the edges are in use. A face that is stored
-        twice counts once.
+        Not to be changed while the edges are in use. Duplicate faces count once.
     n : int, optional
         Number of vertices; if it is not given, as many as ``F`` names.
 

@@ -158,9 +158,29 @@ def scatter(X: Floats, F: Integers, n: int) -> Floats:
     -------
     ndarray of float64, shape (n,) or (n, k)
     """
+    return incidence(F, n) @ X
+
+
+def incidence(F: Integers, n: int) -> csr_array:
+    """Which faces each vertex has.
+
+    Parameters
+    ----------
+    F : ndarray of int64, shape (m, 3)
+    n : int
+        Number of vertices.
+
+    Returns
+    -------
+    B : csr_array of int8, shape (n, m)
+        1 where the vertex is a corner of the face: row i lists the faces of
+        vertex i, ``B.indices[B.indptr[i] : B.indptr[i + 1]]``.
+    """
     faces = np.repeat(np.arange(len(F)), 3)
-    incidence = csr_array((np.ones(3 * len(F)), (F.ravel(), faces)), shape=(n, len(F)))
-    return incidence @ X
+    ones = np.ones(3 * len(F), dtype=np.int8)
+    B = csr_array((ones, (F.ravel(), faces)), shape=(n, len(F)))
+    B.data[:] = 1  # a degenerate face may have a vertex twice
+    return B
 
 
 def face_shapes(V: Floats, F: Integers) -> tuple[Floats, Floats, Floats]:
