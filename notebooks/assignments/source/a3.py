@@ -72,7 +72,7 @@ from scipy.sparse import csr_array, diags_array, eye_array
 import numpy as np
 from scipy.sparse import csr_array, diags_array, eye_array
 
-from meshfair import flow, noise, operators, shapes, weights
+from meshfair import flow, metrics, noise, operators, shapes, weights
 from meshfair_grading import expect
 from meshfair_grading.assignment import Assignment, Rules
 
