@@ -13,7 +13,7 @@ settings.load_profile("meshfair")
 
 
 # What `make check` leaves out: what starts browsers, kernels, builds and other processes, or reads
-# thousands of files. The rest are the numerical tests.
+# thousands of files. So do tests on real meshes. The rest are the numerical tests.
 SLOW = {
     "test_assignments", "test_benchmarks", "test_browser", "test_cli", "test_grading",
     "test_install", "test_io", "test_notebooks", "test_report", "test_sweep",
@@ -23,7 +23,7 @@ SLOW = {
 @pytest.hookimpl(tryfirst=True)  # before pytest itself selects by marker
 def pytest_collection_modifyitems(items):
     for item in items:
-        if item.path.stem in SLOW:
+        if item.path.stem in SLOW or "mirror" in item.fixturenames:
             item.add_marker(pytest.mark.slow)
 
 
