@@ -12,7 +12,7 @@ from broken import TETRAHEDRON, bow_tie, hourglass, wild_meshes
 from fast import both
 from meshes import CLOSED, RIGHT_TRIANGLE, fan, grid, rigid_motions
 from meshfair import MeshError, mesh, operators, shapes, weights
-from meshfair.flow import average, heat
+from meshfair.flow import heat
 from meshfair.mesh.duplicates import first_equal
 
 
@@ -181,34 +181,6 @@ def test_a_duplicate_face_does_not_hide_the_boundary():
     assert np.array_equal(mesh.boundary_edges(twice), mesh.boundary_edges(F))
 
 
-def test_the_boundary_flows_as_a_curve():
-    V, F = grid(4)
-    rim = mesh.boundary_vertices(F)
-    A = operators.averaging(weights.combinatorial(F, len(V)))
-    curved = operators.boundary_as_curve(A, F)
-    np.testing.assert_allclose(curved.sum(axis=1), 1)
-    inside = np.setdiff1d(np.arange(len(V)), rim)
-    assert abs(curved[inside] - A[inside]).max() == 0
-    # A corner of the square goes to the middle of its two neighbours on the rim, and
-    # a point between two of its like stays where it is.
-    moved = curved @ V
-    np.testing.assert_allclose(moved[0], [0.5, 0.5, 0])
-    np.testing.assert_allclose(moved[2], V[2])
-
-
-def test_a_regular_polygon_shrinks_by_the_cosine_of_half_its_step():
-    # A disc: n vertices around a centre. Averaging neighbours on a circle multiplies
-    # the radius by cos(2 pi / n); the centre stays by symmetry.
-    n = 12
-    t = 2 * np.pi * np.arange(n) / n
-    V = np.vstack([np.column_stack([np.cos(t), np.sin(t), 0 * t]), np.zeros(3)])
-    F = np.array([[k, (k + 1) % n, n] for k in range(n)])
-    A = operators.boundary_as_curve(operators.averaging(weights.combinatorial(F, n + 1)), F)
-    X = average(V, A, 3)
-    np.testing.assert_allclose(np.linalg.norm(X[:n], axis=1), np.cos(2 * np.pi / n) ** 3)
-    np.testing.assert_allclose(X[n], 0, atol=1e-15)
-
-
 def test_a_fixed_boundary_stays_and_the_rest_moves(rng):
     V, F = grid(5)
     V = V + 0.1 * rng.standard_normal(V.shape)
@@ -218,21 +190,6 @@ def test_a_fixed_boundary_stays_and_the_rest_moves(rng):
     assert np.array_equal(X[rim], V[rim])
     inside = np.setdiff1d(np.arange(len(V)), rim)
     assert np.all(np.any(X[inside] != V[inside], axis=1))
-
-
-def test_smoothing_the_boundary_alone_leaves_the_surface():
-    from scipy.sparse import eye_array
-
-    V, F = grid(4)
-    curve = operators.boundary_as_curve(eye_array(len(V)), F)
-    moved = np.flatnonzero(np.any(curve @ V != V, axis=1))
-    assert moved.tolist() == [0, 4, 20, 24]  # the corners; all else is straight
-
-
-@pytest.mark.parametrize("A", [np.eye(3), np.ones((3, 4)), np.ones(3)])
-def test_an_operator_of_the_wrong_size_is_refused(A):
-    with pytest.raises(MeshError):
-        operators.boundary_as_curve(A, grid(2)[1])
 
 
 @pytest.mark.parametrize("make", [bow_tie, hourglass, lambda: fan(3)])

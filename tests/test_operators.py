@@ -3,10 +3,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import eigh
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, eye_array
 
 from meshes import CLOSED, RIGHT_TRIANGLE, grid, soups
-from meshfair import MeshError, noise, operators, reference, shapes, weights
+from meshfair import MeshError, flow, mesh, noise, operators, reference, shapes, weights
 
 
 def all_weights(V, F):
@@ -141,3 +141,44 @@ def test_sizes_that_do_not_fit():
     V, F = shapes.icosphere(1)
     with pytest.raises(MeshError, match="build both from one mesh"):
         operators.diffusion(weights.cotangent(V, F), operators.mass(V[:5], [[0, 1, 2]]))
+
+
+def test_the_boundary_flows_as_a_curve():
+    V, F = grid(4)
+    rim = mesh.boundary_vertices(F)
+    A = operators.averaging(weights.combinatorial(F, len(V)))
+    curved = operators.boundary_as_curve(A, F)
+    np.testing.assert_allclose(curved.sum(axis=1), 1)
+    inside = np.setdiff1d(np.arange(len(V)), rim)
+    assert abs(curved[inside] - A[inside]).max() == 0
+    # A corner of the square goes to the middle of its two neighbours on the rim, and
+    # a point between two of its like stays where it is.
+    moved = curved @ V
+    np.testing.assert_allclose(moved[0], [0.5, 0.5, 0])
+    np.testing.assert_allclose(moved[2], V[2])
+
+
+def test_a_regular_polygon_shrinks_by_the_cosine_of_half_its_step():
+    # A disc: n vertices around a centre. Averaging neighbours on a circle multiplies
+    # the radius by cos(2 pi / n); the centre stays by symmetry.
+    n = 12
+    t = 2 * np.pi * np.arange(n) / n
+    V = np.vstack([np.column_stack([np.cos(t), np.sin(t), 0 * t]), np.zeros(3)])
+    F = np.array([[k, (k + 1) % n, n] for k in range(n)])
+    A = operators.boundary_as_curve(operators.averaging(weights.combinatorial(F, n + 1)), F)
+    X = flow.average(V, A, 3)
+    np.testing.assert_allclose(np.linalg.norm(X[:n], axis=1), np.cos(2 * np.pi / n) ** 3)
+    np.testing.assert_allclose(X[n], 0, atol=1e-15)
+
+
+def test_smoothing_the_boundary_alone_leaves_the_surface():
+    V, F = grid(4)
+    curve = operators.boundary_as_curve(eye_array(len(V)), F)
+    moved = np.flatnonzero(np.any(curve @ V != V, axis=1))
+    assert moved.tolist() == [0, 4, 20, 24]  # the corners; all else is straight
+
+
+@pytest.mark.parametrize("A", [np.eye(3), np.ones((3, 4)), np.ones(3)])
+def test_a_boundary_curve_of_the_wrong_size_is_refused(A):
+    with pytest.raises(MeshError):
+        operators.boundary_as_curve(A, grid(2)[1])
