@@ -21,7 +21,7 @@ class Graded:
     """0 to 1 of the points."""
     hint: str = ""
     expected: str = ""
-    came: str = ""
+    got: str = ""
     metric: float | None = None
     """A figure for the leaderboard; larger is better."""
 
@@ -38,7 +38,7 @@ class Outcome:
     """right, partly, wrong or not done."""
     hint: str = ""
     expected: str = ""
-    came: str = ""
+    got: str = ""
     metric: float | None = None
 
 
@@ -168,12 +168,12 @@ def _outcome(check, student, seed):
             return replace(outcome, status="not done", hint=str(error))
         except WrongAnswerError as wrong:
             hint = f"On {tried}: {wrong.hint}"
-            return replace(outcome, hint=hint, expected=wrong.expected, came=wrong.came)
+            return replace(outcome, hint=hint, expected=wrong.expected, got=wrong.got)
         except OSError:  # no process could be started: this machine's fault, not the student's
             raise
         except Exception as error:  # an answer so odd that the check trips over it
-            told = f"{type(error).__name__}: {error}"
-            hint = f"On {tried}: the check cannot make sense of your answer ({told})."
+            message = f"{type(error).__name__}: {error}"
+            hint = f"On {tried}: the check cannot make sense of your answer ({message})."
             return replace(outcome, hint=hint)
     graded, tried = min(found, key=lambda pair: (pair[0].share, pair[0].metric or 0.0))
     outcome = replace(
@@ -181,7 +181,7 @@ def _outcome(check, student, seed):
         earned=round(2 * check.points * graded.share) / 2,  # half points
         hint=f"On {tried}: {graded.hint}" if graded.hint else "",
         expected=graded.expected,
-        came=graded.came,
+        got=graded.got,
         metric=graded.metric,
     )
     if student.changed and outcome.earned:
@@ -192,7 +192,7 @@ def _outcome(check, student, seed):
             hint=f"The values are right, but `{function}` changed its argument number {place + 1} "
             "in place, and the caller's mesh with it: work on a copy.",
             expected="arguments as they were",
-            came="changed arguments",
+            got="changed arguments",
         )
     full = outcome.earned == outcome.points
     return replace(outcome, status="right" if full else "partly" if outcome.earned else "wrong")

@@ -15,9 +15,9 @@ from pathlib import Path
 
 import scipy.sparse.linalg  # noqa: F401  here once, so that no student's time limit pays for it
 
-from meshfair_grading import landlock, privileges, wire
+from meshfair_grading import landlock, privileges, protocol
 from meshfair_grading.answers import Answer, Failure, ask, failure
-from meshfair_grading.rules import Refuser, Rules
+from meshfair_grading.rules import ImportBlocker, Rules
 from meshfair_grading.students import broken_rules
 
 # What Python and its libraries read beside their own files.
@@ -47,22 +47,22 @@ def main(channel, limits, user):
     _limit(limits)
     # Walls that hide Python from itself show here, not in a student's marks.
     importlib.import_module("colorsys")
-    wire.send(channel, {"confined": confined})
-    order = wire.receive(channel)
+    protocol.send(channel, {"confined": confined})
+    order = protocol.receive(channel)
     file = order["load"]
     rules = Rules(*(tuple(order[key]) for key in ("allowed", "forbidden", "refused")))
     module, failures = _load(file, rules)
-    wire.send(channel, failures)
+    protocol.send(channel, failures)
     while True:
         try:
-            order = wire.receive(channel)
+            order = protocol.receive(channel)
         except EOFError:
             return
         function = getattr(module, order["call"], None)
         if callable(function):
-            wire.send(channel, ask(function, order["arguments"], file))
+            protocol.send(channel, ask(function, order["arguments"], file))
         else:
-            wire.send(channel, Answer(failure=Failure("missing", order["call"])))
+            protocol.send(channel, Answer(failure=Failure("missing", order["call"])))
 
 
 def _limit(limits):
@@ -93,7 +93,7 @@ def _load(file, rules):
     # Out of the cache, so that importing it again meets the refusal.
     for name in [name for name in sys.modules if name.partition(".")[0] == "meshfair"]:
         del sys.modules[name]
-    sys.meta_path.insert(0, Refuser(rules))
+    sys.meta_path.insert(0, ImportBlocker(rules))
     spec = importlib.util.spec_from_file_location(Path(file).stem, file)
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module
@@ -105,8 +105,8 @@ def _load(file, rules):
 
 
 def _not_loaded(error, file):
-    told = failure(error, file)
-    return Failure("not loaded", told.message, told.line, told.code)
+    failed = failure(error, file)
+    return Failure("not loaded", failed.message, failed.line, failed.code)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """The walls around a student's process, from the outside.
 
 What each wall needs is tried out once (`Isolation.detect`), and what does not
-hold on this system is told. This contains accidents; against code that means
+hold on this system is said. This contains accidents; against code that means
 harm, run the grading in a container or a virtual machine that can be thrown away.
 """
 
@@ -18,7 +18,7 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from meshfair_grading import wire
+from meshfair_grading import protocol
 
 NOBODY = 65534
 KEPT_OUTPUT = 4000
@@ -193,7 +193,7 @@ class Process:
                 start_new_session=True,  # a group of its own, to be killed as one
             )
         try:
-            hello = wire.receive(self.channel, time.monotonic() + STARTUP)
+            hello = protocol.receive(self.channel, time.monotonic() + STARTUP)
         except (OSError, EOFError) as error:
             _, printed = self.stop(patience=1.0)
             raise OSError(f"the process did not start: {printed[-500:] or error!r}") from error

@@ -14,14 +14,14 @@ from pathlib import Path
 from meshfair_grading.answers import Failure
 from meshfair_grading.assignment import Outcome
 from meshfair_grading.feedback import Report
-from meshfair_grading.students import Submission
+from meshfair_grading.students import IsolatedStudent
 
 LARGEST_FILE = 1_000_000
 RECORDS = "records"
 
 
 @dataclass(frozen=True)
-class HandedIn:
+class Submission:
     """What was found for one student."""
 
     student: str
@@ -43,7 +43,7 @@ def find(folder, assignment):
 
     Returns
     -------
-    list of HandedIn
+    list of Submission
         Sorted by student.
 
     Raises
@@ -61,7 +61,7 @@ def find(folder, assignment):
         if entry.is_dir():
             found.append(_in_folder(entry, assignment))
         elif entry.suffix == ".py":
-            found.append(HandedIn(entry.stem, entry))
+            found.append(Submission(entry.stem, entry))
     if not found:
         raise ValueError(f"{folder} holds neither folders of students nor .py files")
     twice = {one.student for one in found if sum(o.student == one.student for o in found) > 1}
@@ -74,12 +74,12 @@ def _in_folder(folder, assignment):
     name = f"{assignment}.py"
     for path in (folder / name, folder / assignment / name):
         if path.is_file():
-            return HandedIn(folder.name, path)
+            return Submission(folder.name, path)
     others = sorted(folder.glob("*.py"))
     if len(others) == 1:
         remark = f"The file is called {others[0].name}; call it {name} the next time."
-        return HandedIn(folder.name, others[0], remark)
-    return HandedIn(folder.name, None, f"There is no {name} in the folder.")
+        return Submission(folder.name, others[0], remark)
+    return Submission(folder.name, None, f"There is no {name} in the folder.")
 
 
 @dataclass(frozen=True)
@@ -109,12 +109,12 @@ class Mark:
         return next((o.metric for o in self.outcomes if o.metric is not None), None)
 
 
-def mark(handed_in, assignment, isolation, seed):
+def mark(submission, assignment, isolation, seed):
     """Mark one submission.
 
     Parameters
     ----------
-    handed_in : HandedIn
+    submission : Submission
     assignment : meshfair_grading.assignment.Assignment
     isolation : meshfair_grading.isolation.Isolation
     seed : int
@@ -122,14 +122,14 @@ def mark(handed_in, assignment, isolation, seed):
     Returns
     -------
     Mark
-        Whatever the submission does, it is told here and costs nobody else.
+        Whatever the submission does, it is reported here and costs nobody else.
     """
-    remarks = [handed_in.remark] if handed_in.remark else []
+    remarks = [submission.remark] if submission.remark else []
     try:
-        source = _read(handed_in)
+        source = _read(submission)
     except ValueError as error:
-        return Mark(handed_in.student, _nothing(assignment), str(error), [*remarks, str(error)])
-    with Submission(source, assignment.name, assignment.rules, isolation) as student:
+        return Mark(submission.student, _nothing(assignment), str(error), [*remarks, str(error)])
+    with IsolatedStudent(source, assignment.name, assignment.rules, isolation) as student:
         outcomes = assignment.mark(student, seed)
     broken = student.whole_file
     status = "graded"
@@ -137,7 +137,7 @@ def mark(handed_in, assignment, isolation, seed):
         where = f" (line {broken.line}: {broken.code})" if broken.line else ""
         remarks.append(f"The file could not be loaded: {broken.message}{where}")
         status = _status(broken)
-    return Mark(handed_in.student, outcomes, status, remarks, student.printed)
+    return Mark(submission.student, outcomes, status, remarks, student.printed)
 
 
 def _status(broken: Failure):
@@ -148,15 +148,15 @@ def _status(broken: Failure):
     return kinds.get(broken.message.partition(":")[0], "could not be loaded")
 
 
-def _read(handed_in):
-    if handed_in.path is None:
+def _read(submission):
+    if submission.path is None:
         raise ValueError("nothing handed in")
-    status = os.lstat(handed_in.path)
+    status = os.lstat(submission.path)
     if not stat.S_ISREG(status.st_mode):
         raise ValueError("not a regular file")
     if status.st_size > LARGEST_FILE:
         raise ValueError(f"a file of more than {LARGEST_FILE / 1e6:g} MB")
-    return handed_in.path.read_bytes()
+    return submission.path.read_bytes()
 
 
 def _nothing(assignment):
@@ -302,7 +302,7 @@ def grade(folder, source, out, isolation, *, seed=None, jobs=2, progress=None):
         if waiting:
             with tempfile.TemporaryDirectory(prefix="meshfair-") as folder:
                 isolation = replace(isolation, machine_code=Path(folder))
-                rehearse(source, assignment, isolation, seed)
+                dry_run(source, assignment, isolation, seed)
                 found = _in_parallel(jobs, waiting, assignment, isolation, seed)
                 for one in progress(found, total=len(waiting)) if progress else found:
                     book.add(one, keys[one.student])
@@ -322,7 +322,7 @@ def _in_parallel(jobs, submissions, *arguments):
         pool.shutdown(cancel_futures=True)
 
 
-def rehearse(source, assignment, isolation, seed):
+def dry_run(source, assignment, isolation, seed):
     """Mark the solution, to be sure of the checks before they decide on anybody.
 
     What numba compiles for it stays in ``isolation.machine_code``, so that no
@@ -345,7 +345,7 @@ def rehearse(source, assignment, isolation, seed):
     limits = isolation.limits
     patient = replace(limits, call=10 * limits.call, total=10 * limits.total)
     isolation = replace(isolation, limits=patient, rehearsal=True)
-    with Submission(solution, assignment.name, assignment.rules, isolation) as student:
+    with IsolatedStudent(solution, assignment.name, assignment.rules, isolation) as student:
         report = Report("The solution", assignment.mark(student, seed))
     if report.earned < report.points:
         raise ValueError(
@@ -354,11 +354,11 @@ def rehearse(source, assignment, isolation, seed):
         )
 
 
-def _key(handed_in, source, seed, limits):
+def _key(submission, source, seed, limits):
     """Fingerprint of all that a mark depends on."""
     try:
-        content = _read(handed_in)
+        content = _read(submission)
     except ValueError as error:
         content = str(error).encode()
-    told = repr((source.digest, seed, limits, handed_in.remark)).encode()
-    return hashlib.sha256(told + content).hexdigest()
+    state = repr((source.digest, seed, limits, submission.remark)).encode()
+    return hashlib.sha256(state + content).hexdigest()

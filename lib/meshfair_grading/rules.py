@@ -1,7 +1,7 @@
 """Which imports and calls an assignment allows, read from the source without running it.
 
 This finds honest mistakes and names their lines. The modules that hold the
-answers are refused in the student's process as well, see `Refuser`.
+answers are refused in the student's process as well, see `ImportBlocker`.
 """
 
 import ast
@@ -92,7 +92,7 @@ def within(module, packages):
     return any(module == package or module.startswith(f"{package}.") for package in packages)
 
 
-class Refuser(MetaPathFinder):
+class ImportBlocker(MetaPathFinder):
     """Import hook that refuses the modules which hold the answers.
 
     Parameters

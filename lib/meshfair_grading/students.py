@@ -1,6 +1,6 @@
 """A student's functions as the checks see them: ``student.edges(F)`` asks for an answer.
 
-`NotebookStudent` asks the module that the notebook has imported. `Submission`
+`NotebookStudent` asks the module that the notebook has imported. `IsolatedStudent`
 asks a process with limits, and starts another one when it has died.
 """
 
@@ -11,7 +11,7 @@ import time
 import traceback
 from pathlib import Path
 
-from meshfair_grading import wire
+from meshfair_grading import protocol
 from meshfair_grading.answers import Answer, Failure, ask, failure
 from meshfair_grading.expect import WrongAnswerError
 from meshfair_grading.rules import violations
@@ -63,7 +63,7 @@ class Student:
             raise WrongAnswerError(
                 f"`{name}` returns nothing: is the `return` missing?",
                 expected="a value",
-                came="None",
+                got="None",
             )
         self.changed += [(name, place) for place in answer.changed if place < len(arguments)]
         return answer.value
@@ -73,7 +73,7 @@ def _explained(name, failure):
     """The exception that a check ends with when there is no value."""
     if failure.kind == "not done":
         return NotDoneError(f"`{name}` is not done yet")
-    came = f"line {failure.line}: {failure.code}" if failure.line else failure.kind
+    got = f"line {failure.line}: {failure.code}" if failure.line else failure.kind
     openings = {
         "missing": f"There is no function `{name}`: keep the names of the stub.",
         "raised": f"`{name}` ended with {failure.message}",
@@ -83,7 +83,7 @@ def _explained(name, failure):
         "crashed": f"`{name}` {failure.message}",
     }
     return WrongAnswerError(
-        openings.get(failure.kind, failure.message), expected="a value", came=came
+        openings.get(failure.kind, failure.message), expected="a value", got=got
     )
 
 
@@ -129,9 +129,9 @@ class NotebookStudent(Student):
                 self._failures = broken_rules(Path(self._file).read_bytes(), rules)
         except Exception as error:  # whatever the student's module raises
             self._module, self._file = None, ""
-            told = failure(error, "")
+            failed = failure(error, "")
             line = traceback.extract_tb(error.__traceback__)[-1]
-            self._failures = {"": Failure("not loaded", told.message, line.lineno or 0)}
+            self._failures = {"": Failure("not loaded", failed.message, line.lineno or 0)}
 
     def _ask(self, name, arguments):
         broken = self._failures.get("") or self._failures.get(name)
@@ -143,7 +143,7 @@ class NotebookStudent(Student):
         return ask(function, arguments, self._file)
 
 
-class Submission(Student):
+class IsolatedStudent(Student):
     """The functions of a file that was handed in, in a process of their own.
 
     Parameters
@@ -189,7 +189,7 @@ class Submission(Student):
             return Answer(failure=broken)
         answer, died = self._exchange({"call": name, "arguments": list(arguments)})
         if not died and not isinstance(answer, Answer):
-            answer, died = Answer(failure=Failure("crashed", "sent rubbish")), True
+            answer, died = Answer(failure=Failure("crashed", "sent an invalid message")), True
         if died:
             # The same call would end the same way; the other functions get a new process.
             self._failures[name] = answer.failure
@@ -225,12 +225,12 @@ class Submission(Student):
         channel = self._process.channel
         try:
             channel.settimeout(deadline - start)
-            wire.send(channel, order)
-            return wire.receive(channel, deadline), False
+            protocol.send(channel, order)
+            return protocol.receive(channel, deadline), False
         except TimeoutError:
             self._stop()
             return Answer(failure=Failure("time limit", f"{limits.call:g} s")), True
-        except wire.GarbledError as error:
+        except protocol.ProtocolError as error:
             self._stop()
             return Answer(failure=Failure("crashed", f"disturbed its channel: {error}")), True
         except (EOFError, OSError):

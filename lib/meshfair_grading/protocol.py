@@ -21,7 +21,7 @@ LARGEST_BODY = 4 * LARGEST_ANSWER
 DTYPES = {"|b1", "<i8", "<f8", "<c16"}
 
 
-class GarbledError(ValueError):
+class ProtocolError(ValueError):
     """A message that no honest process sends."""
 
 
@@ -60,18 +60,18 @@ def receive(channel, deadline=None):
         Past the deadline.
     EOFError
         The other side has closed the channel, or died.
-    GarbledError
+    ProtocolError
         Not a message.
     """
     head_length, body_length = LENGTHS.unpack(_read(channel, LENGTHS.size, deadline))
     if head_length > LARGEST_HEAD or body_length > LARGEST_BODY:
-        raise GarbledError("the message is larger than any answer")
+        raise ProtocolError("the message is larger than any answer")
     head = _read(channel, head_length, deadline)
     body = _read(channel, body_length, deadline)
     try:
         return _unpack(json.loads(head), memoryview(body))
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
-        raise GarbledError(f"the message makes no sense ({error})") from error
+        raise ProtocolError(f"the message makes no sense ({error})") from error
 
 
 def _read(channel, length, deadline):
@@ -133,10 +133,10 @@ def _unpack(packed, body):
         case {"$": "Answer", "value": value, "changed": changed, "failure": failure}:
             failure = _unpack(failure, body)
             if not isinstance(failure, Failure | None):
-                raise GarbledError("a failure is expected")
+                raise ProtocolError("a failure is expected")
             return Answer(_unpack(value, body), tuple(map(int, changed)), failure)
         case {"$": other}:
-            raise GarbledError(f"no type {other!r}")
+            raise ProtocolError(f"no type {other!r}")
         case dict():
             return {key: _unpack(value, body) for key, value in packed.items()}
         case list():
@@ -147,22 +147,22 @@ def _unpack(packed, body):
 def _array(dtype, shape, start, body):
     shape, start = [int(size) for size in shape], int(start)
     if dtype not in DTYPES or len(shape) > 8 or min([start, *shape]) < 0:
-        raise GarbledError(f"no array of type {dtype!r} and shape {shape}")
+        raise ProtocolError(f"no array of type {dtype!r} and shape {shape}")
     dtype = np.dtype(dtype)
     count = 1
     for size in shape:  # in Python's integers, which do not overflow
         count *= size
     if start + count * dtype.itemsize > len(body):
-        raise GarbledError("an array that is longer than its bytes")
+        raise ProtocolError("an array that is longer than its bytes")
     return np.frombuffer(body, dtype, count, start).reshape(shape).copy()
 
 
 def _sparse(n, m, row, col, data):
     # A matrix takes memory for its rows even where it has no entries.
     if not (0 <= n <= LARGEST_ANSWER and 0 <= m <= LARGEST_ANSWER):
-        raise GarbledError("a sparse matrix larger than any answer")
+        raise ProtocolError("a sparse matrix larger than any answer")
     if not (row.ndim == 1 and row.shape == col.shape == data.shape):
-        raise GarbledError("a sparse matrix with parts of different lengths")
+        raise ProtocolError("a sparse matrix with parts of different lengths")
     if len(row) and not (0 <= row.min() <= row.max() < n and 0 <= col.min() <= col.max() < m):
-        raise GarbledError("a sparse matrix with entries outside")
+        raise ProtocolError("a sparse matrix with entries outside")
     return csr_array(coo_array((data, (row, col)), shape=(int(n), int(m))))
