@@ -169,7 +169,8 @@ def feature_convinced(
     sigma_normal : float
         The difference of two guidance normals from which on normals hardly mix.
     gap : int
-        So many edges that are no candidates may be bridged along a crease.
+        This many edges that are no candidates may be bridged along a crease, and
+        one more up to an earlier line.
     shortest : int
         Crease lines of fewer edges are dropped.
     """
