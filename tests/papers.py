@@ -251,12 +251,12 @@ def bend(p1, p2, p3, p4):
     return np.arccos(np.clip(unit(n) @ unit(m), -1, 1))
 
 
-def l0(V, F, lam=0.2, alpha=0.1, beta=1e-3, beta_factor=1.414, beta_max=1e3):
+def l0(V, F, lam=0.2, regularity=0.1, beta=1e-3, beta_factor=1.414, beta_max=1e3):
     """[HS13], with the mean of absolute dihedral angles."""
     corners, n = list(corners_at_edges(F)), len(V)
     angle = np.mean([bend(*V[list(c)]) for c in corners])
     length = np.mean([np.linalg.norm(V[i] - V[j]) for i, j in edges(F)])
-    lam, alpha = lam * length**2 * angle, alpha * angle
+    lam, alpha = lam * length**2 * angle, regularity * angle
     R = np.zeros((len(corners), n))
     for e, c in enumerate(corners):
         R[e, list(c)] = [1, -1, 1, -1]

@@ -67,24 +67,22 @@ def test_defaults_are_what_the_papers_say(name, small):
 
 
 @pytest.mark.parametrize(
-    ("name", "ours", "theirs"),
+    ("name", "parameters"),
     [
-        ("bilateral", {"iterations": 2, "radius": 3.5}, {}),
-        ("sun", {"threshold": 0.8, "normal_iterations": 3, "vertex_iterations": 2}, {}),
-        ("taubin", {"lam": 0.3, "mu": -0.4, "iterations": 3}, {}),
-        ("guided_normal", {"iterations": 2}, {}),
+        ("bilateral", {"iterations": 2, "radius": 3.5}),
+        ("sun", {"threshold": 0.8, "normal_iterations": 3, "vertex_iterations": 2}),
+        ("taubin", {"lam": 0.3, "mu": -0.4, "iterations": 3}),
+        ("guided_normal", {"iterations": 2}),
         (
             "l0",
             {"lam": 0.4, "regularity": 0.3, "beta": 0.02, "beta_factor": 2, "beta_max": 50},
-            {"lam": 0.4, "alpha": 0.3, "beta": 0.02, "beta_factor": 2, "beta_max": 50},
         ),
     ],
-    ids=lambda x: x if isinstance(x, str) else "",
 )
-def test_parameters_are_those_of_the_papers(name, ours, theirs, small):
+def test_parameters_are_those_of_the_papers(name, parameters, small):
     V, F = small
-    expected = getattr(papers, name)(V, F, **(theirs or ours))
-    np.testing.assert_allclose(result(ALL[name], V, F, **ours), expected, atol=ROUNDING)
+    expected = getattr(papers, name)(V, F, **parameters)
+    np.testing.assert_allclose(result(ALL[name], V, F, **parameters), expected, atol=ROUNDING)
 
 
 def of_faces(V, F):
@@ -234,10 +232,6 @@ def test_noise_by_lengths(small):
 def test_no_noise_by_lengths():
     assert noise_by_lengths(*grid(6)) == pytest.approx(0, abs=1e-7)
     assert noise_by_lengths(np.zeros((3, 3)), [[0, 1, 2]]) == 0
-    # Where the smooth copy is larger than the mesh, there is no noise to be seen.
-    V, F = noisy_grid()
-    swollen = mesh.Edges(F).lengths(papers.sun(V, F, 0.4, 4, 4, fixed=()))
-    assert noise_by_lengths(V, F) > 0 or (swollen**2).mean() > 0
 
 
 def dense_laplacian(V, F, kind):
@@ -322,10 +316,8 @@ def test_edges_without_area_have_no_operator():
     line = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0]])
     np.testing.assert_array_equal(edge_operator(line, H), np.zeros((1, 4)))
     np.testing.assert_array_equal(edge_operator(np.zeros((4, 3)), H), np.zeros((1, 4)))
-    line[1] = [1, 1e-9, 0]  # little, but enough
-    np.testing.assert_allclose(edge_operator(line, H), [[-0.0, 0.0, -1.0, 1.0]] @ np.array(
-        [[0, 0, 0, 0], [0, 0, 0, 0], [-0.5, 0, 1.5, -1], [0, 0, 0, 0]]
-    ), atol=1e-6)  # fmt: skip
+    line[1] = [1, 1e-9, 0]  # little, but enough: A_4 = 0, and the foot of p4 is at 3/2
+    np.testing.assert_allclose(edge_operator(line, H), [[0.5, 0, -1.5, 1]], atol=1e-8)
 
 
 # --- Neighbourhoods.
@@ -533,29 +525,30 @@ def test_parameters_outside_their_range_are_refused(name, parameter, value):
         list(ALL[name](*noisy_grid(), **{parameter: value}))
 
 
+# At the ends of their ranges: and whether all vertices then stay where they are.
 ALLOWED = [
-    ("taubin", {"lam": 1, "mu": -1}),
-    ("implicit", {"step": 0}),
-    ("regularised", {"lam": 0}),
-    ("sun", {"threshold": -1}),
-    ("sun", {"threshold": 1}),
-    ("sun", {"normal_iterations": 0}),
-    ("sun", {"vertex_iterations": 0}),
-    ("bilateral_normal", {"normal_iterations": 0}),
-    ("guided_normal", {"vertex_iterations": 1}),
-    ("feature_convinced", {"noise": 0, "gap": 0, "shortest": 0, "vertex_iterations": 1}),
-    ("l0", {"lam": 0, "regularity": 0, "regularity_factor": 0}),
-    ("l0", {"regularity_factor": 1}),
+    ("taubin", {"lam": 1, "mu": -1}, False),
+    ("implicit", {"step": 0}, True),
+    ("regularised", {"lam": 0}, True),
+    ("sun", {"threshold": -1}, False),
+    ("sun", {"threshold": 1}, True),
+    ("sun", {"normal_iterations": 0}, True),  # each vertex lies in the planes of its faces
+    ("sun", {"vertex_iterations": 0}, True),
+    ("bilateral_normal", {"normal_iterations": 0}, True),
+    ("guided_normal", {"vertex_iterations": 1}, False),
+    ("feature_convinced", {"noise": 0, "gap": 0, "shortest": 0}, False),
+    ("feature_convinced", {"vertex_iterations": 1}, False),
+    ("l0", {"lam": 0, "regularity": 0, "regularity_factor": 0}, True),
+    ("l0", {"regularity_factor": 1}, False),
 ]
 
 
-@pytest.mark.parametrize(("name", "parameters"), ALLOWED)
-def test_parameters_at_the_end_of_their_range(name, parameters):
+@pytest.mark.parametrize(("name", "parameters", "stays"), ALLOWED)
+def test_parameters_at_the_end_of_their_range(name, parameters, stays):
     V, F = noisy_grid()
     found = result(ALL[name], V, F, **parameters)
     assert np.isfinite(found).all()
-    if {"step", "lam", "threshold"} & {*parameters} and 0 in parameters.values():
-        np.testing.assert_allclose(found, V, atol=1e-9)
+    assert np.allclose(found, V, rtol=0, atol=1e-9) == stays
 
 
 @pytest.mark.parametrize(
@@ -739,8 +732,8 @@ PUBLISHED = {
 def test_defaults_reach_the_published_figures(mirror, name, method):
     V_noisy, V, F = pair(mirror, name)
     found = metrics.normal_angle(result(ALL[method], V_noisy, F), V, F)
-    # Within three percent: the programs differ in rounding and in the order of updates.
-    assert found == pytest.approx(PUBLISHED[name, method], rel=0.03)
+    # They are printed to two decimals; rounding may move the last one.
+    assert found == pytest.approx(PUBLISHED[name, method], abs=0.01)
 
 
 @pytest.mark.parametrize(

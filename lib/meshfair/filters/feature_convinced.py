@@ -215,11 +215,11 @@ def prefiltered(V: Floats, F: Integers, effort: Effort) -> Floats:
     ndarray of float64, shape (n, 3)
     """
     V = _last(taubin(V, F, lam=0.6, mu=-0.636, iterations=effort.taubin_iterations), V)
-    normal_iterations = effort.sun_iterations
     smooth = sun(
-        *(V, F),
+        V,
+        F,
         threshold=0.4,
-        normal_iterations=normal_iterations,
+        normal_iterations=effort.sun_iterations,
         vertex_iterations=4,
         fix_boundary=False,
     )
