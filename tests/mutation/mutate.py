@@ -46,8 +46,9 @@ MODULES = ["weights", "operators", "flow", "noise", "metrics"]
 FILTERS = [f"filters/{path.stem}" for path in sorted(PACKAGE.glob("filters/[!_]*.py"))]
 # Tests of the numerical modules; which of them concern a mutant is measured.
 FILES = (
-    "checks", "denoising", "fast_equals_plain", "filters", "flow", "intrinsic", "mesh",
-    "metrics", "noise", "operators", "solve", "spectrum", "stability", "sure", "weights",
+    "checks", "denoising", "fast_equals_plain", "fast_filters", "filters", "flow", "intrinsic",
+    "mesh", "metrics", "noise", "operators", "reference", "solve", "spectrum", "stability", "sure",
+    "weights",
 )  # fmt: skip
 LEAST = 0.95
 SURVIVED, KILLED, BROKEN = 0, 1, 2
