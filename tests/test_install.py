@@ -122,15 +122,3 @@ def test_the_command_works(installed, tmp_path):
         for name in ("noisy.obj", "denoised.ply")
     )
     assert before < after
-
-
-def test_what_needs_an_extra_names_it(installed, tmp_path):
-    done = subprocess.run(
-        [str(installed), "-c", "import meshfair.explorers"],
-        env=outside(),
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 1
-    assert 'pip install "meshfair[notebooks]"' in done.stderr.splitlines()[-1], done.stderr
