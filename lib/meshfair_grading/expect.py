@@ -1,10 +1,14 @@
-"""Comparisons that say what was expected, what got, and what may be the reason.
+"""Comparisons that say what was expected, what was got, and what may be the reason.
 
 A student's answer arrives here as plain arrays (see ``answers``), so that
 nothing in it can take part in its own comparison.
 """
 
+from collections.abc import Callable, Sequence
+from typing import Any
+
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array, issparse
 
 from meshfair_grading.answers import Other
@@ -12,24 +16,27 @@ from meshfair_grading.answers import Other
 RTOL = 1e-6
 # Relative to the largest expected entry: rounding in entries that should be zero.
 ATOL = 1e-9
+Floats = NDArray[np.float64]
+# A hint, and the values that come out of the mistake that it is about.
+Mistakes = Sequence[tuple[str, Any | Callable[[], Any]]]
 COMMON_FACTORS = (-1, 2, 0.5, -2, -0.5, 3, 1 / 3, 4, 0.25, 6, 1 / 6)
 
 
 class WrongAnswerError(Exception):
-    """A wrong answer: what was expected, what got, and a hint."""
+    """A wrong answer: what was expected, what was got, and a hint."""
 
-    def __init__(self, hint, *, expected="", got=""):
+    def __init__(self, hint: str, *, expected: str = "", got: str = "") -> None:
         super().__init__(hint)
         self.hint, self.expected, self.got = hint, expected, got
 
 
-def that(condition, hint, *, expected="", got=""):
+def that(condition: Any, hint: str, *, expected: str = "", got: str = "") -> None:
     """Raise `WrongAnswerError` unless a condition holds."""
     if not condition:
         raise WrongAnswerError(hint, expected=expected, got=got)
 
 
-def array(value, name, shape=None):
+def array(value: Any, name: str, shape: tuple[int, ...] | None = None) -> Floats:
     """A student's value as a finite real array, dense, or `WrongAnswerError`.
 
     Parameters
@@ -86,14 +93,14 @@ def array(value, name, shape=None):
     return value
 
 
-def number(value, name):
+def number(value: Any, name: str) -> float:
     """A student's value as a float, or `WrongAnswerError`."""
     if isinstance(value, np.ndarray) and value.size == 1:
         value = value.reshape(())
     return float(array(value, name, ()))
 
 
-def matrix(value, name, n):
+def matrix(value: Any, name: str, n: int) -> csr_array:
     """A student's sparse (n, n) matrix, or `WrongAnswerError`.
 
     Returns
@@ -111,7 +118,9 @@ def matrix(value, name, n):
     return csr_array(value)
 
 
-def close(got, expected, name, *, mistakes=(), rtol=RTOL):
+def close(
+    got: Any, expected: Any, name: str, *, mistakes: Mistakes = (), rtol: float = RTOL
+) -> None:
     """Compare a student's values with the right ones.
 
     Parameters
@@ -150,7 +159,7 @@ def close(got, expected, name, *, mistakes=(), rtol=RTOL):
     )
 
 
-def proportional(got, expected, name, *, mistakes=()):
+def proportional(got: Any, expected: Any, name: str, *, mistakes: Mistakes = ()) -> None:
     """Compare a student's values with the right ones, up to a common positive factor.
 
     Parameters and errors are those of `close`; the values of ``mistakes`` are
@@ -165,15 +174,15 @@ def proportional(got, expected, name, *, mistakes=()):
     close(_scaled(got, scale), expected, f"{name} (scaled to the right size)", mistakes=scaled)
 
 
-def _scale(values):
+def _scale(values: Any) -> float:
     return float(abs(values).sum())
 
 
-def _scaled(values, scale):
+def _scaled(values: Any, scale: float) -> Any:
     return values * (scale / (_scale(values) or 1.0))
 
 
-def alike(got, expected, rtol=RTOL):
+def alike(got: ArrayLike, expected: ArrayLike, rtol: float = RTOL) -> bool:
     """Whether two arrays have one shape and agree within the tolerance."""
     got, expected = np.asarray(got, dtype=float), np.asarray(expected, dtype=float)
     try:
@@ -183,11 +192,11 @@ def alike(got, expected, rtol=RTOL):
     return got.shape == expected.shape
 
 
-def _size(expected):
-    return np.abs(expected).max(initial=0)
+def _size(expected: Floats) -> float:
+    return float(np.abs(expected).max(initial=0))
 
 
-def _explained(got, mistakes, rtol):
+def _explained(got: Floats, mistakes: Mistakes, rtol: float) -> str:
     """The hint of the first mistake whose values are those that were returned."""
     for hint, values in mistakes:
         values = values() if callable(values) else values
@@ -197,7 +206,7 @@ def _explained(got, mistakes, rtol):
     return ""
 
 
-def _factor(got, expected, name, rtol):
+def _factor(got: Floats, expected: Floats, name: str, rtol: float) -> str:
     """A hint where all values are off by one factor."""
     for factor in COMMON_FACTORS:
         if alike(got, factor * expected, rtol):

@@ -6,11 +6,14 @@ side may be a student's process.
 """
 
 import json
+import socket
 import struct
 import time
 from dataclasses import asdict
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 
 from meshfair_grading.answers import LARGEST_ANSWER, Answer, Failure, Other, Seeded
@@ -25,7 +28,7 @@ class ProtocolError(ValueError):
     """A message that no honest process sends."""
 
 
-def send(channel, data):
+def send(channel: socket.socket, data: Any) -> None:
     """Send plain data.
 
     Parameters
@@ -35,13 +38,13 @@ def send(channel, data):
         dict with string keys, list, str, number, bool, None, ndarray of bool,
         int64, float64 or complex128, csr_array, `Seeded`, `Other`, `Answer`.
     """
-    buffers = []
+    buffers: list[bytes] = []
     head = json.dumps(_pack(data, buffers)).encode()
     body = b"".join(buffers)
     channel.sendall(LENGTHS.pack(len(head), len(body)) + head + body)
 
 
-def receive(channel, deadline=None):
+def receive(channel: socket.socket, deadline: float | None = None) -> Any:
     """Receive what `send` sent.
 
     Parameters
@@ -74,7 +77,7 @@ def receive(channel, deadline=None):
         raise ProtocolError(f"the message makes no sense ({error})") from error
 
 
-def _read(channel, length, deadline):
+def _read(channel: socket.socket, length: int, deadline: float | None) -> bytearray:
     data = bytearray(length)
     rest = memoryview(data)
     while rest:
@@ -90,7 +93,7 @@ def _read(channel, length, deadline):
     return data
 
 
-def _pack(data, buffers):
+def _pack(data: Any, buffers: list[bytes]) -> Any:
     """The structure for JSON; arrays go to ``buffers`` and leave a description."""
     match data:
         case np.ndarray():
@@ -118,7 +121,7 @@ def _pack(data, buffers):
     return data
 
 
-def _unpack(packed, body):
+def _unpack(packed: Any, body: memoryview) -> Any:
     match packed:
         case {"$": "array", "dtype": dtype, "shape": shape, "start": start}:
             return _array(dtype, shape, start, body)
@@ -144,7 +147,7 @@ def _unpack(packed, body):
     return packed
 
 
-def _array(dtype, shape, start, body):
+def _array(dtype: Any, shape: Any, start: Any, body: memoryview) -> NDArray[Any]:
     shape, start = [int(size) for size in shape], int(start)
     if dtype not in DTYPES or len(shape) > 8 or min([start, *shape]) < 0:
         raise ProtocolError(f"no array of type {dtype!r} and shape {shape}")
@@ -157,7 +160,7 @@ def _array(dtype, shape, start, body):
     return np.frombuffer(body, dtype, count, start).reshape(shape).copy()
 
 
-def _sparse(n, m, row, col, data):
+def _sparse(n: Any, m: Any, row: Any, col: Any, data: Any) -> csr_array:
     # A matrix takes memory for its rows even where it has no entries.
     if not (0 <= n <= LARGEST_ANSWER and 0 <= m <= LARGEST_ANSWER):
         raise ProtocolError("a sparse matrix larger than any answer")
