@@ -136,6 +136,8 @@ def test_the_gaussian():
     found = normal_filtering.gaussian(np.array([0.0, 1, 4]), 1.0)
     np.testing.assert_allclose(found, [1, np.exp(-0.5), np.exp(-2)], rtol=1e-15)
     np.testing.assert_allclose(normal_filtering.gaussian(np.array([9.0]), 3.0), [np.exp(-0.5)])
+    narrow = normal_filtering.gaussian(np.array([1e-240]), 1e-120)
+    np.testing.assert_allclose(narrow, [np.exp(-0.5)])
     for width in (0.0, 1e-200):
         np.testing.assert_array_equal(
             normal_filtering.gaussian(np.array([0.0, 1e-300, 1.0]), width), [1, 0, 0]
@@ -363,6 +365,21 @@ def test_rings_and_adjacent_faces(small):
     assert list(zip(f.tolist(), g.tolist(), strict=True)) == papers.adjacent(F)
 
 
+def test_a_collapsed_face_is_not_beside_itself():
+    R = face_rings(incidence(np.array([[0, 0, 1], [0, 1, 2], [2, 1, 3], [4, 4, 4]]), 5))
+    assert R.toarray().tolist() == [[2, 2, 1, 0], [2, 3, 2, 0], [1, 2, 3, 0], [0, 0, 0, 1]]
+    f, g = adjacent_faces(R)
+    assert (f.tolist(), g.tolist()) == ([0, 1], [1, 2])
+
+
+def test_mean_distances():
+    C = np.array([[0.0, 0, 0], [3, 4, 0], [3, 4, 7]])
+    pairs = np.array([0, 1]), np.array([1, 2])
+    assert normal_filtering.mean_distance(C, pairs) == 6
+    none = np.array([], dtype=int)
+    assert normal_filtering.mean_distance(C, (none, none)) == 0
+
+
 def test_shortest_edges():
     _, lengths = line([0.0, 1, 4, 5.5])
     lonely = csr_array((lengths.data, lengths.indices, np.append(lengths.indptr, 6)), shape=(5, 5))
@@ -462,6 +479,12 @@ def test_a_closed_line_ends_where_it_began():
     V = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
     ends = np.sort(np.column_stack([np.arange(12), np.roll(np.arange(12), -1)]), axis=1)
     assert traced(V, ends, np.ones(12), np.ones(12), 0, 12) == list(range(12))
+    assert traced(V, ends, np.ones(12), np.ones(12), 0, 13) == []
+
+
+def test_lines_go_on_over_edges_without_length():
+    V = [[0, 0, 0], [1, 0, 0], [1, 0, 0], [1, 1, 0]]
+    assert traced(V, [[0, 1], [1, 2], [2, 3]], [3, 2, 1], [1, 1, 1], 0, 3) == [0, 1, 2]
 
 
 def test_candidates_are_bent_by_more_than_the_cosine_says():
@@ -471,6 +494,8 @@ def test_candidates_are_bent_by_more_than_the_cosine_says():
     for cosine, expected in ((0.1, right), (-0.1, 0 * right)):
         found = creases.crease_edges(V, H, cosine, gap=5, shortest=2)
         np.testing.assert_array_equal(found, expected)
+    V, F = grid(4)  # all cosines are 1, and so not smaller
+    assert not creases.crease_edges(V, interior_edges(F), 1.0, gap=5, shortest=1).any()
 
 
 # --- Arguments.
