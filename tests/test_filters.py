@@ -85,6 +85,20 @@ def test_parameters_are_those_of_the_papers(name, parameters, small):
     np.testing.assert_allclose(result(ALL[name], V, F, **parameters), expected, atol=ROUNDING)
 
 
+@pytest.mark.parametrize("scale", [0.1, 10])
+def test_bilateral_on_what_is_nearly_flat(scale):
+    # The heights deviate by less than a millionth of the edges, so that this is sigma_s.
+    V, F = grid(3)
+    V[:, 2] = 5e-7 * np.random.default_rng(8).standard_normal(len(V))
+    moves = [X - scale * V for X in (
+        papers.bilateral(scale * V, F, iterations=1),
+        result(filters.bilateral, scale * V, F, iterations=1),
+    )]  # fmt: skip
+    # Positions of the size of the scale are rounded to 1e-16 of it.
+    np.testing.assert_allclose(moves[1], moves[0], atol=1e-15 * scale)
+    assert np.abs(moves[0]).max() > 1e-8 * scale
+
+
 def of_faces(V, F):
     """Normals, areas and centroids from the papers, and the rings as matrix and as lists."""
     R = face_rings(incidence(F, len(V)))
@@ -555,6 +569,7 @@ ALLOWED = [
     ("taubin", {"lam": 1, "mu": -1}, False),
     ("implicit", {"step": 0}, True),
     ("regularised", {"lam": 0}, True),
+    ("bilateral", {"radius": 0.5}, True),  # around each vertex there is only itself
     ("sun", {"threshold": -1}, False),
     ("sun", {"threshold": 1}, True),
     ("sun", {"normal_iterations": 0}, True),  # each vertex lies in the planes of its faces
