@@ -10,7 +10,7 @@ import sys
 from meshfair import datasets
 
 
-def main():
+def main() -> int:
     """Fetch the meshes named, or all; one line a file, exit code 1 where one failed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(

@@ -1,7 +1,6 @@
 """Write the built-in shapes to mesh files, to look at or to use in other programs."""
 
 import argparse
-import sys
 from pathlib import Path
 
 from meshfair import io, shapes
@@ -16,7 +15,7 @@ SHAPES = {
 }
 
 
-def main():
+def main() -> None:
     """Write each shape to FOLDER/NAME.ENDING; one line a file."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path, nargs="?", default=Path("data"), help="default: data")
@@ -31,4 +30,4 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -14,9 +14,10 @@ import argparse
 import hashlib
 import json
 import shutil
-import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import typst
@@ -29,7 +30,7 @@ HERE = Path(__file__).resolve().parent
 BUILD = HERE / "build"
 
 
-def main():
+def main() -> None:
     """Build the report; print a line for each part."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--draws", type=int, default=20, help="noise draws a cell of Table 1")
@@ -53,7 +54,7 @@ def main():
     print(f"{options.out}: done in {time.perf_counter() - started:.0f} s")
 
 
-def step(title, function, *arguments):
+def step(title: str, function: Callable[..., Any], *arguments: Any) -> Any:
     """Call a function and say what it was and how long it took."""
     started = time.perf_counter()
     result = function(*arguments)
@@ -61,7 +62,7 @@ def step(title, function, *arguments):
     return result
 
 
-def start_anew_if_changed(draws):
+def start_anew_if_changed(draws: int) -> None:
     """Drop what an earlier version of the code, or another number of draws, has made."""
     digest = hashlib.sha256(str(draws).encode())
     sources = [*(HERE.parent / "lib").rglob("*.py"), *HERE.glob("*.py"), *HERE.glob("results/*")]
@@ -74,7 +75,7 @@ def start_anew_if_changed(draws):
         stamp.write_text(digest.hexdigest())
 
 
-def run_or_read(name, make, draws):
+def run_or_read(name: str, make: tables.Make, draws: int) -> pd.DataFrame | None:
     """The table of an experiment, run only where an earlier build has not; None without data."""
     path = BUILD / "tables" / f"{name}.csv"
     if not path.exists():
@@ -88,7 +89,7 @@ def run_or_read(name, make, draws):
     return pd.read_csv(path)
 
 
-def typeset(out):
+def typeset(out: Path) -> None:
     """Compile the PDF: the same input gives the same bytes."""
     pdf = typst.compile(
         str(HERE / "report.typ"),
@@ -102,4 +103,4 @@ def typeset(out):
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

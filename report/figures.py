@@ -5,19 +5,29 @@ in curves come from the experiments' tables in ``data``.
 """
 
 import json
+from itertools import combinations
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pandas as pd
 from PIL import Image
 
 from meshfair import denoising, experiments, filters, flow, plotting
-from meshfair.experiments.cases import WEIGHTS, add_noise, load_mesh, operator
+from meshfair.checks import Booleans, Floats, Integers
+from meshfair.experiments import load_mesh, load_noisy_mesh, noisy_pair
 from meshfair.experiments.original import F16_DECIBELS, TAU, TIME
-from meshfair.mesh import Edges, cluster, half_edges, mean_edge_length, repair, vertex_normals
+from meshfair.mesh import cluster, inspect, repair, unique_faces
 from meshfair.metrics import normal_angles
+from meshfair.operators import averaging
 from meshfair.shapes import jet_parts
-from meshfair.sure import SURE
-from meshfair.viewer import Camera, render
+from meshfair.sure import SURE, true_risk
+from meshfair.viewer import CMAPS, Camera, render
+from meshfair.viewer.coloring import displacement
+from meshfair.weights import BY_NAME
 from tables import JET_NOISE, QUALITY_NOISE, SEED
+
+Tables = dict[str, pd.DataFrame]
 
 PIXELS = (1000, 750)
 WIDE = (1400, 700)
@@ -28,31 +38,33 @@ ERRORS = "viridis"
 ANGLES = "reds"
 
 
-def photograph(path, V, F, camera, size=PIXELS, **options):
+def photograph(
+    path: Path,
+    V: Floats,
+    F: Integers,
+    camera: Camera,
+    size: tuple[int, int] = PIXELS,
+    **options: Any,
+) -> None:
     """Render a mesh into a PNG file."""
     Image.fromarray(render(V, F, camera, size=size, **options)).save(path)
 
 
-def colour_bar(path, limits, label, colours=ERRORS):
-    """A colour bar of its own, to stand below a row of meshes; ``colours`` as Polyscope has it."""
+def colour_bar(path: Path, limits: tuple[float, float], label: str, cmap: str = ERRORS) -> None:
+    """A colour bar of its own, to stand below a row of meshes; ``cmap`` as Polyscope has it."""
     with plotting.figure(path, (4.0, 0.5)) as axes:
         axes.imshow(
             np.linspace(0, 1, 256)[None],
             aspect="auto",
             extent=(*limits, 0, 1),
-            cmap={"reds": "Reds"}.get(colours, colours),
+            cmap=CMAPS[cmap],
         )
         axes.set(yticks=[], xlabel=label)
         axes.grid(False)
 
 
-def errors(V, V_true, F):
-    """Distance of each vertex from its clean place, in mean edge lengths."""
-    return np.linalg.norm(V - V_true, axis=1) / mean_edge_length(V_true, F)
-
-
-def cotangent_angles(folder, _):
-    """The two angles opposite an edge (the seed's Figure 1)."""
+def cotangent_angles(folder: Path, _: Tables) -> None:
+    """The two angles opposite an edge (the original report's Figure 1)."""
     i, j, a, b = np.array([[0, 0], [0.25, 2.0], [-1.7, 1.25], [2.0, 0.85]])
     with plotting.figure(folder / "cotangent-angles.svg", (2.9, 2.0)) as axes:
         for corner, colour in ((a, "#0072B2"), (b, "#D55E00")):
@@ -80,26 +92,27 @@ def cotangent_angles(folder, _):
         axes.axis("off")
 
 
-def knot_meshes(folder, _):
+def knot_meshes(folder: Path, _: Tables) -> None:
     """Figures 2 and 4: the knot, noisy, and after one and ten iterations."""
     V, F = load_mesh("knot")
-    meshes = experiments.knot_meshes(SEED, steps=(1, 10))
+    meshes = experiments.knot_meshes(SEED, iterations=(1, 10))
+    error = displacement(V, F)
     in_view = np.concatenate([V, meshes["noisy", 0]])
     camera = Camera.around(in_view, (0.35, -1.0, 0.45))
     photograph(folder / "knot-clean.png", V, F, camera)
     limits = (0.0, 2.0)
-    for (name, steps), V_now in meshes.items():
-        photograph(folder / f"knot-{name}-{steps}.png", V_now, F, camera)
+    for (name, iterations), V_now in meshes.items():
+        photograph(folder / f"knot-{name}-{iterations}.png", V_now, F, camera)
         photograph(
-            folder / f"knot-{name}-{steps}-error.png", V_now, F, camera,
-            values=errors(V_now, V, F), limits=limits, colours=ERRORS, smooth=True,
+            folder / f"knot-{name}-{iterations}-error.png", V_now, F, camera,
+            values=error(V_now), limits=limits, cmap=ERRORS, smooth=True,
         )  # fmt: skip
     colour_bar(
-        folder / "knot-errors.svg", limits, "distance from the clean place, in mean edge lengths"
+        folder / "knot-errors.svg", limits, "distance from the ground truth, in mean edge lengths"
     )
 
 
-def knot_curves(folder, data):
+def knot_curves(folder: Path, data: Tables) -> None:
     """Figure 3, and the normal angle beside it."""
     with plotting.figure(folder / "knot-curves.svg", columns=2) as (left, right):
         plotting.draw_curves(left, data["knot"], "snr", best="max")
@@ -110,9 +123,9 @@ def knot_curves(folder, data):
         left.legend()
 
 
-def spectrum(folder, data):
+def spectrum(folder: Path, data: Tables) -> None:
     """Eigenvalues of I - W~, and what one step makes of each."""
-    table = data["spectrum"]
+    table = data["eigenvalues"]
     with plotting.figure(folder / "spectrum.svg", columns=2) as (left, right):
         plotting.draw_curves(left, table, "mu", x="index")
         left.axhline(2, color="0.3", lw=0.8, ls="--")
@@ -131,26 +144,27 @@ def spectrum(folder, data):
         right.legend(loc="lower left", bbox_to_anchor=(0, 0.16))
 
 
-JET_CAMERA = {"direction": (0.75, 0.85, 0.5), "aspect": 2.0}
-MISSILE_CAMERA = {"direction": (0.9, 1.0, 0.45), "margin": 0.0}
+JET_CAMERA: dict[str, Any] = {"direction": (0.75, 0.85, 0.5), "aspect": 2.0}
+MISSILE_CAMERA: dict[str, Any] = {"direction": (0.9, 1.0, 0.45), "margin": 0.0}
 MISSILES_IN_VIEW = ("tip missile left", "outer missile left")
 
 
-def jet_states(name, times, weights):
-    """Clean, faces, and {(weights, time): V} of the jet's heat flow; time 0 is the noisy mesh."""
-    V, F = load_mesh(name)
-    V_noisy = add_noise(V, F, seed=SEED, model=JET_NOISE["noise"], size=JET_NOISE["size"])
+def jet_states(
+    name: str, times: tuple[float, ...]
+) -> tuple[Floats, Integers, dict[tuple[str, float], Floats]]:
+    """V, F, and {(weights, time): V} of the jet's heat flows; time 0 is the noisy mesh."""
+    V_noisy, V, F = load_noisy_mesh(name, JET_NOISE["noise"], SEED, size=JET_NOISE["size"])
     states = {("noisy", 0.0): V_noisy}
-    for kind in weights:
-        for time, V_now in flow.heat(V_noisy, operator(V_noisy, F, kind), TAU, max(times)):
+    for kind, build in BY_NAME.items():
+        for time, V_now in flow.heat(V_noisy, averaging(build(V_noisy, F)), TAU, max(times)):
             if time in times:
                 states[kind, time] = V_now
     return V, F, states
 
 
-def jet_meshes(folder, _):
+def jet_meshes(folder: Path, _: Tables) -> None:
     """Figures 5 and 7: the jet with missiles under the flow, whole and close by."""
-    V, F, states = jet_states("jet", (0.6, 2.0, 4.0), WEIGHTS)
+    V, F, states = jet_states("jet", (0.6, 2.0, 4.0))
     camera = Camera.around(V, **JET_CAMERA)
     parts = jet_parts()
     in_view = np.concatenate([parts[name][0] for name in MISSILES_IN_VIEW])
@@ -161,18 +175,18 @@ def jet_meshes(folder, _):
         photograph(folder / f"missiles-{name}-{time:g}.png", V_now, F, close, LOW)
 
 
-def jet_without_missiles(folder, data):
+def jet_without_missiles(folder: Path, data: Tables) -> None:
     """Figure 8: the jet without missiles, each weights at its best time."""
     table = data["jet_without_missiles"]
     best = table.loc[table.groupby("weights")["snr"].idxmax()].set_index("weights")["time"]
-    V, F, states = jet_states("jet without missiles", tuple(best), WEIGHTS)
+    V, F, states = jet_states("jet without missiles", tuple(best))
     camera = Camera.around(V, **JET_CAMERA)
     photograph(folder / "plain-noisy.png", states["noisy", 0.0], F, camera, WIDE)
-    for name in WEIGHTS:
+    for name in BY_NAME:
         photograph(folder / f"plain-{name}.png", states[name, best[name]], F, camera, WIDE)
 
 
-def jet_curves(folder, data):
+def jet_curves(folder: Path, data: Tables) -> None:
     """Figure 6: SNR with and without missiles, and the missiles' own error."""
     with plotting.figure(folder / "jet-curves.svg", columns=2, sharey=True) as (left, right):
         plotting.draw_curves(left, data["jet"], "snr", best="max")
@@ -191,26 +205,26 @@ def jet_curves(folder, data):
         panels[0].legend(loc="upper left")
 
 
-def f16(folder, data):
-    """The seed's own F-16, where it is downloaded."""
+def f16(folder: Path, data: Tables) -> None:
+    """The original report's own F-16, where it is downloaded."""
     if "f16" not in data:
         return
     with plotting.figure(folder / "f16-curves.svg", (3.6, 2.5)) as axes:
         plotting.draw_curves(axes, data["f16"], "snr", best="max")
         axes.set(xlabel="time", ylabel="SNR (dB)")
         axes.legend()
-    V, F = load_mesh("f16")
-    V_noisy = add_noise(V, F, "uniform", SEED, decibels=F16_DECIBELS)
+    V_noisy, V, F = load_noisy_mesh("f16", "uniform", SEED, decibels=F16_DECIBELS)
     in_view = np.concatenate([V, V_noisy])
     camera = Camera.around(in_view, (-0.75, 0.5, 0.85), up=(0, 1, 0), aspect=2.0)
     photograph(folder / "f16-clean.png", V, F, camera, WIDE)
     photograph(folder / "f16-noisy.png", V_noisy, F, camera, WIDE)
     for name in ("combinatorial", "cotangent"):
-        V_now = dict(flow.heat(V_noisy, operator(V_noisy, F, name), TAU, TIME))[TIME]
+        A = averaging(BY_NAME[name](V_noisy, F))
+        V_now = dict(flow.heat(V_noisy, A, TAU, TIME))[TIME]
         photograph(folder / f"f16-{name}.png", V_now, F, camera, WIDE)
 
 
-def full_resolution(folder, data):
+def full_resolution(folder: Path, data: Tables) -> None:
     """Averaging at the bunny's full resolution."""
     names = [name for name in ("bunny", "large_sphere") if name in data]
     width = 3.4 * len(names) if len(names) == 2 else 3.8
@@ -223,17 +237,17 @@ def full_resolution(folder, data):
         panels[0][0].set_ylabel("SNR (dB)")
         panels[0][-1].legend()
     if "bunny" in data:
-        V, F = load_mesh("bunny")
-        V_noisy = add_noise(V, F, "normals", SEED, size=0.2)
+        V_noisy, V, F = load_noisy_mesh("bunny", "normals", SEED, size=0.2)
         camera = Camera.around(V[np.unique(F)], (0.1, 0.25, 1.0), up=(0, 1, 0), aspect=1.0)
-        for name, V_now in {
-            "noisy": V_noisy,
-            **{w: flow.average(V_noisy, operator(V_noisy, F, w), 5) for w in WEIGHTS},
-        }.items():
+        states = {"noisy": V_noisy} | {
+            name: flow.average(V_noisy, averaging(build(V_noisy, F)), 5)
+            for name, build in BY_NAME.items()
+        }
+        for name, V_now in states.items():
             photograph(folder / f"bunny-{name}.png", V_now, F, camera, (900, 900))
 
 
-def agreement(folder, data):
+def agreement(folder: Path, data: Tables) -> None:
     """Where SNR and normal angle would stop the flow."""
     table = data["agreement"]
     labels = list(dict.fromkeys(table["mesh"]))
@@ -243,7 +257,7 @@ def agreement(folder, data):
             for k, (name, rows) in enumerate(table.groupby("weights", sort=False)):
                 y = np.arange(len(rows)) + 0.22 * (k - 1)
                 style = {
-                    "color": plotting.WEIGHT_COLOURS[name],
+                    "color": plotting.WEIGHT_COLORS[name],
                     "marker": plotting.WEIGHT_MARKS[name],
                 }
                 axes.hlines(y, rows[at_snr], rows[at_angle], color=style["color"], lw=1)
@@ -257,64 +271,70 @@ def agreement(folder, data):
         left.figure.legend(handles, names, loc="outside upper center", ncols=3)
 
 
-def reduction(folder, data):
+def reduction(folder: Path, data: Tables) -> None:
     """The reduced knot's bad triangles, before and after the repair."""
     V, F = cluster(*load_mesh("fine knot"), data["reduction"]["cell"].max())
     camera = Camera.around(V, (0.35, -1.0, 0.45))
     split = repair(V, F, duplicates=True, split=True)
     sides = []
     for X, T in ((V, F), (split.V, split.F)):
-        bad = bad_faces(T).astype(float)
+        bad = bad_faces(X, T).astype(float)
         sides.append(
-            render(X, T, camera, size=PIXELS, values=bad, limits=(0, 1), colours="reds", edges=True)
+            render(X, T, camera, size=PIXELS, values=bad, limits=(0, 1), cmap="reds", edges=True)
         )
     Image.fromarray(np.concatenate(sides, axis=1)).save(folder / "reduction.png")
 
 
-def bad_faces(F):
-    """Faces stored twice, or with an edge that has more than two faces."""
-    _, group, count = np.unique(np.sort(F, axis=1), axis=0, return_inverse=True, return_counts=True)
-    repeated = count[group.ravel()] > 1
-    edges = Edges(F)
-    crowded = {tuple(edge) for edge in edges.ends[edges.faces_of_edge > 2]}
-    H = np.sort(half_edges(F), axis=1)
-    at_crowded = np.array([tuple(edge) in crowded for edge in H]).reshape(3, -1).any(axis=0)
-    return repeated | at_crowded
+def bad_faces(V: Floats, F: Integers) -> Booleans:
+    """Duplicate faces, and those with an edge that has more than two faces, each counted once."""
+    F = np.sort(F, axis=1)
+    stored = {found.kind: found.where for found in inspect(V, F).findings}
+    once = {found.kind: found.where for found in inspect(V, unique_faces(F)).findings}
+    duplicates = set(map(tuple, F[stored.get("duplicate_faces", [])].tolist()))
+    crowded = set(map(tuple, once.get("nonmanifold_edges", np.empty((0, 2))).tolist()))
+    return np.array(
+        [
+            tuple(face) in duplicates or not crowded.isdisjoint(combinations(face, 2))
+            for face in F.tolist()
+        ]
+    )
 
 
-WALLS = {"jet": JET_CAMERA, "torus": {"direction": (0.3, -0.7, 0.75)}}
-WALL_ANGLES = (0.0, 30.0)
+GALLERIES: dict[str, dict[str, Any]] = {
+    "jet": JET_CAMERA,
+    "torus": {"direction": (0.3, -0.7, 0.75)},
+}
+GALLERY_ANGLES = (0.0, 30.0)
 
 
-def wall(folder, data):
-    """Every method with automatic parameters, coloured by the angle to the clean normals."""
+def gallery(folder: Path, data: Tables) -> None:
+    """Every method with automatic parameters, coloured by the angle to the true normals."""
     table = data["quality"]
-    for mesh in WALLS:
+    for mesh in GALLERIES:
         rows = table[(table["mesh"] == mesh) & (table["parameters"] == "auto")]
-        noisy, V, F = experiments.noisy_and_clean(mesh, QUALITY_NOISE, SEED)
-        camera = Camera.around(np.concatenate([V, noisy]), **WALLS[mesh])
-        size = LOW_WIDE if WALLS[mesh].get("aspect") == 2.0 else LOW_PIXELS
-        options = {"limits": WALL_ANGLES, "colours": ANGLES}
+        noisy, V, F = noisy_pair(mesh, QUALITY_NOISE, SEED)
+        camera = Camera.around(np.concatenate([V, noisy]), **GALLERIES[mesh])
+        size = LOW_WIDE if GALLERIES[mesh].get("aspect") == 2.0 else LOW_PIXELS
+        options = {"limits": GALLERY_ANGLES, "cmap": ANGLES}
         photograph(
-            folder / f"wall-{mesh}-none.png", noisy, F, camera, size,
+            folder / f"gallery-{mesh}-none.png", noisy, F, camera, size,
             values=normal_angles(noisy, V, F), **options,
         )  # fmt: skip
         for row in rows.itertuples():
             X = denoising.denoise(noisy, F, row.method, **json.loads(row.used)).V
             photograph(
-                folder / f"wall-{mesh}-{row.method}.png", X, F, camera, size,
+                folder / f"gallery-{mesh}-{row.method}.png", X, F, camera, size,
                 values=normal_angles(X, V, F), **options,
             )  # fmt: skip
-    colour_bar(
-        folder / "wall-angles.svg", WALL_ANGLES, "angle to the clean normal, in degrees", ANGLES
-    )
+    label = "angle to the true normal, in degrees"
+    colour_bar(folder / "gallery-angles.svg", GALLERY_ANGLES, label, ANGLES)
 
 
-def risk(folder, _):
-    """Stein's estimate beside the true risk, over the iterations of two filters."""
+def risk(folder: Path, _: Tables) -> None:
+    """SURE beside the true risk, over the iterations of two filters."""
     with plotting.figure(folder / "risk.svg", columns=2, sharey=True) as panels:
         for axes, mesh in zip(panels, ("torus", "jet"), strict=True):
-            noisy, V, F = experiments.noisy_and_clean(mesh, QUALITY_NOISE, SEED)
+            noisy, V, F = noisy_pair(mesh, QUALITY_NOISE, SEED)
             estimated = SURE(noisy, F, np.random.default_rng(SEED))
             unit = true_risk(noisy, V, F)
             for method, colour in (("taubin", "#0072B2"), ("bilateral", "#D55E00")):
@@ -325,7 +345,7 @@ def risk(folder, _):
                 guess = np.array([estimated(X, Y) for X, Y in states]) / unit
                 truth = np.array([true_risk(X, V, F) for X, _ in states]) / unit
                 for risks, style, face in ((guess, "-", colour), (truth, "--", "white")):
-                    label = f"{method}, {'estimated' if style == '-' else 'true'}"
+                    label = f"{method}, {'SURE' if style == '-' else 'true'}"
                     axes.plot(risks, style, color=colour, label=label)
                     least = risks.argmin()
                     axes.plot(least, risks[least], "o", color=colour, ms=5, mfc=face)
@@ -334,14 +354,7 @@ def risk(folder, _):
         panels[0].legend(fontsize=7.5)
 
 
-def true_risk(V, V_true, F):
-    """What `Risk` estimates: the mean squared difference of the errors' heights along edges."""
-    heights = np.sum((V - V_true) * vertex_normals(V, F), axis=1)
-    E = Edges(F).ends
-    return np.mean((heights[E[:, 0]] - heights[E[:, 1]]) ** 2)
-
-
-def scaling(folder, data):
+def scaling(folder: Path, data: Tables) -> None:
     """Time per vertex at five sizes, as `make bench` measured it."""
     table = data["scaling"]
     labels = {
@@ -361,6 +374,6 @@ FIGURES = {
     draw.__name__: draw
     for draw in (
         cotangent_angles, knot_meshes, knot_curves, spectrum, jet_meshes, jet_curves,
-        jet_without_missiles, f16, full_resolution, scaling, reduction, agreement, wall, risk,
+        jet_without_missiles, f16, full_resolution, scaling, reduction, agreement, gallery, risk,
     )
 }  # fmt: skip

@@ -1,16 +1,22 @@
 """Every number that the report's text names, computed from the experiments' tables."""
 
-from meshfair import shapes
+import pandas as pd
+
+from meshfair import _fast, shapes
+from meshfair.checks import Floats
 from meshfair.denoising import estimate_noise
-from meshfair.experiments import PAIRS, load_mesh, noisy_and_clean
+from meshfair.experiments import PAIRS, load_mesh, noisy_pair
 from meshfair.experiments.original import F16_DECIBELS, KNOT_DECIBELS, TAU, TIME
 from meshfair.mesh import Edges, components, mean_edge_length, unique_faces
 from tables import JET_NOISE, QUALITY_NOISE, SEED
 
+Tables = dict[str, pd.DataFrame]
+Texts = dict[str, str]
+
 SHORT = {"combinatorial": "comb", "distance": "dist", "cotangent": "cot"}
 
 
-def numbers(data):
+def numbers(data: Tables) -> dict[str, str | bool]:
     """Format the numbers of the text.
 
     Parameters
@@ -21,11 +27,11 @@ def numbers(data):
 
     Returns
     -------
-    dict of str to str
+    dict of str to str or bool
         What ``#n("key")`` in report.typ stands for. Keys under ``has-`` tell
         which of the optional experiments there are.
     """
-    found = {
+    found: dict[str, str | bool] = {
         "tau": f"{TAU:g}",
         "time": f"{TIME:g}",
         "knot-decibels": f"{KNOT_DECIBELS:g}",
@@ -44,7 +50,7 @@ def numbers(data):
         _jets,
         _large,
         _reduction,
-        _origin,
+        _origin_shift,
         _agreement,
         _quality,
     ):
@@ -55,12 +61,12 @@ def numbers(data):
     return found
 
 
-def _best(table, column="snr"):
+def _best(table: pd.DataFrame, column: str = "snr") -> pd.Series:
     return table.loc[table[column].idxmax()]
 
 
-def _meshes(data):
-    found = {}
+def _meshes(data: Tables) -> Texts:
+    found: Texts = {}
     names = ["knot", "jet", "jet without missiles", "large sphere"]
     names += [name for name in ("f16", "bunny") if name in data]
     for name in names:
@@ -81,13 +87,13 @@ def _meshes(data):
     return found
 
 
-def _tube_width(V):
+def _tube_width(V: Floats) -> float:
     """Width of a missile's tube: the extent of its foremost third, which has no fins."""
     front = V[V[:, 0] > V[:, 0].max() - (V[:, 0].max() - V[:, 0].min()) / 3]
     return front[:, 2].max() - front[:, 2].min()
 
 
-def _table_1(data):
+def _table_1(data: Tables) -> Texts:
     table = data["table_1"]
     found = {"draws": f"{table['draws'].iloc[0]}"}
     uniform = table[table["noise"] == "uniform"]
@@ -106,8 +112,8 @@ def _table_1(data):
         "t1-last-time": f"{cell['time_mean']:.2f}",
         "t1-last-time-std": f"{cell['time_std']:.2f}",
         "t1-last-snr": f"{cell['snr_mean']:.2f}",
-        "t1-last-seed-time": f"{cell['original_time']:.1f}",
-        "t1-last-seed-snr": f"{cell['original_snr']:.2f}",
+        "t1-last-original-time": f"{cell['original_time']:.1f}",
+        "t1-last-original-snr": f"{cell['original_snr']:.2f}",
         "t1-last-row": f"{cell['row']:.2f}",
     }
     first = table[table["row"] == table["row"].iloc[0]].set_index(["noise", "weights"])
@@ -120,9 +126,9 @@ def _table_1(data):
     return found
 
 
-def _knot(data):
+def _knot(data: Tables) -> Texts:
     table = data["knot"]
-    found = {}
+    found: Texts = {}
     for name, rows in table.groupby("weights"):
         short = SHORT[name]
         rows = rows.set_index("time")
@@ -137,14 +143,14 @@ def _knot(data):
     return found
 
 
-def _spectrum(data):
-    largest = data["spectrum"].groupby("weights")["mu"].max()
+def _spectrum(data: Tables) -> Texts:
+    largest = data["eigenvalues"].groupby("weights")["mu"].max()
     found = {f"mu-{SHORT[name]}": f"{mu:.2f}" for name, mu in largest.items()}
     return found | {"tau-max-cot": f"{2 / largest['cotangent']:.2f}"}
 
 
-def _jets(data):
-    found = {}
+def _jets(data: Tables) -> Texts:
+    found: Texts = {}
     for key in ("jet", "jet_without_missiles", *(["f16"] if "f16" in data else [])):
         table, dashed = data[key], key.replace("_", "-")
         found[f"{dashed}-noisy"] = f"{table['snr'].iloc[0]:.1f}"
@@ -164,8 +170,8 @@ def _jets(data):
     return found
 
 
-def _large(data):
-    found = {}
+def _large(data: Tables) -> Texts:
+    found: Texts = {}
     for key in ("large_sphere", "bunny"):
         if key not in data:
             continue
@@ -179,19 +185,19 @@ def _large(data):
     return found
 
 
-def _reduction(data):
+def _reduction(data: Tables) -> Texts:
     table = data["reduction"].set_index(["cell", "treatment"])
     first = table.loc[table.index[0][0]]
     twice, once = (
-        first.loc["repeated faces counted twice"],
-        first.loc["repeated faces counted once"],
+        first.loc["duplicate faces counted twice"],
+        first.loc["duplicate faces counted once"],
     )
     split = first.loc["dropped and split"]
     V, _ = load_mesh("fine knot")
     return {
         "reduced-from": f"{len(V):,}",
         "reduced-to": f"{twice['vertices']:,.0f}",
-        "reduced-repeated": f"{twice['repeated']:.0f}",
+        "reduced-duplicates": f"{twice['duplicates']:.0f}",
         "reduced-nonmanifold": f"{twice['nonmanifold']:.0f}",
         "reduced-boundary": f"{twice['boundary']:.0f}",
         "reduced-error": f"{100 * twice['weight_error']:.1f}",
@@ -202,14 +208,14 @@ def _reduction(data):
     }
 
 
-def _performance(data):
+def _performance(data: Tables) -> Texts:
     bench, scaling = data["bench"], data["scaling"]
     seconds = bench.set_index(["task", "contender"])["seconds"]
     times_copy = bench[bench["contender"] == "ours"].set_index("task")["times_copy"]
     growth = scaling.set_index("vertices")["whole_flow_ns"]
     filters = data["filters"].set_index("method")["seconds"]
 
-    def times(task, theirs, ours="ours"):
+    def times(task: str, theirs: str, ours: str = "ours") -> str:
         return f"{seconds[task, theirs] / seconds[task, ours]:.1f}"
 
     others = seconds["implicit"].drop("ours")
@@ -217,6 +223,10 @@ def _performance(data):
         "bench-vertices": f"{bench['vertices'].max():,}",
         "bench-libigl": times("weights", "libigl", "ours, from nothing"),
         "bench-libigl-known": times("weights", "libigl", "ours, pattern known"),
+        "bench-plain": times("weights", "plain NumPy", "ours, from nothing"),
+        "bench-step-scipy": times("step", "SciPy product"),
+        "bench-steps-scipy": times("steps", "SciPy product"),
+        "fast-from": f"{_fast.ROWS:,}",
         "bench-step-open3d": times("step", "Open3D"),
         "bench-step-trimesh": times("step", "trimesh"),
         "bench-steps-open3d": times("steps", "Open3D"),
@@ -239,8 +249,8 @@ def _performance(data):
     }
 
 
-def _origin(data):
-    snr = data["origin"].astype({"where": str}).set_index("where")["snr"]
+def _origin_shift(data: Tables) -> Texts:
+    snr = data["origin_shift"].astype({"where": str}).set_index("where")["snr"]
     moved = snr.drop("as stored")
     return {
         "origin-stored": f"{snr['as stored']:.1f}",
@@ -250,7 +260,7 @@ def _origin(data):
     }
 
 
-def _agreement(data):
+def _agreement(data: Tables) -> Texts:
     table = data["agreement"]
     ratio = table["angle_time"] / table["snr_time"]
     return {
@@ -261,7 +271,7 @@ def _agreement(data):
     }
 
 
-def _quality(data):
+def _quality(data: Tables) -> Texts:
     table = data["quality"]
     angle = table[table["method"] != "none"].pivot(
         index=["mesh", "method"], columns="parameters", values="normal_angle"
@@ -289,7 +299,7 @@ def _quality(data):
     for by in ("lengths", "differences"):
         guesses = {}
         for mesh in ("box", "torus", "knot", "jet"):
-            noisy, _, F = noisy_and_clean(mesh, QUALITY_NOISE, SEED)
+            noisy, _, F = noisy_pair(mesh, QUALITY_NOISE, SEED)
             guesses[mesh] = estimate_noise(noisy, F, by)
         lowest = min(guesses, key=guesses.get)
         found[f"{by}-low-mesh"], found[f"{by}-low"] = lowest, f"{guesses[lowest]:.3f}"

@@ -6,22 +6,29 @@ real mesh that is not downloaded.
 """
 
 import warnings
+from collections.abc import Callable
 from functools import wraps
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
 
 from meshfair import StabilityWarning, datasets, experiments
 from meshfair.experiments.original import F16_DECIBELS, KNOT_DECIBELS
 
+Make = Callable[..., pd.DataFrame | None]
+
 SEED = 1  # of every single-draw experiment
-JET_NOISE = {"noise": "normals", "size": 0.3}
+JET_NOISE: dict[str, Any] = {"noise": "normals", "size": 0.3}
 QUALITY_NOISE = 0.2  # along the normals, in mean edge lengths
 
 
-def needs(name):
+def needs(name: str) -> Callable[[Make], Make]:
     """Run an experiment only where a real mesh has been downloaded."""
 
-    def decorate(make):
+    def decorate(make: Make) -> Make:
         @wraps(make)
-        def run(**options):
+        def run(**options: Any) -> pd.DataFrame | None:
             return make(**options) if datasets.find(name) else None
 
         return run
@@ -29,17 +36,17 @@ def needs(name):
     return decorate
 
 
-def table_1(draws, journal):
+def table_1(draws: int, journal: Path) -> pd.DataFrame:
     """Table 1 with both noise models."""
     return experiments.table_1(draws, path=journal)
 
 
-def distance_readings(draws, **_):
+def distance_readings(draws: int, **_: Any) -> pd.DataFrame:
     """Table 1's distance column, read otherwise."""
     return experiments.distance_readings(min(draws, 5))
 
 
-def knot(**_):
+def knot(**_: Any) -> pd.DataFrame:
     """Iterated averaging of the knot: Figures 2 to 4."""
     with warnings.catch_warnings():
         # That averaging is unstable with cotangent weights here is a result of the report.
@@ -49,34 +56,34 @@ def knot(**_):
         )
 
 
-def spectrum(**_):
+def eigenvalues(**_: Any) -> pd.DataFrame:
     """Eigenvalues behind the low-pass filter and the stability bound."""
-    return experiments.spectrum("knot", "uniform", SEED, decibels=KNOT_DECIBELS)
+    return experiments.eigenvalue_table("knot", "uniform", SEED, decibels=KNOT_DECIBELS)
 
 
-def jet(**_):
+def jet(**_: Any) -> pd.DataFrame:
     """The jet with missiles: Figures 5 to 7."""
     return experiments.curves("jet", seed=SEED, angles=True, **JET_NOISE)
 
 
-def jet_parts(**_):
+def jet_parts(**_: Any) -> pd.DataFrame:
     """What happens to the missiles alone."""
-    return experiments.part_errors("jet", seed=SEED, **JET_NOISE)
+    return experiments.part_error_curves(seed=SEED, **JET_NOISE)
 
 
-def jet_without_missiles(**_):
+def jet_without_missiles(**_: Any) -> pd.DataFrame:
     """The jet without missiles: Figure 8."""
     return experiments.curves("jet without missiles", seed=SEED, angles=True, **JET_NOISE)
 
 
 @needs("f16")
-def f16(**_):
-    """The seed's own F-16."""
+def f16(**_: Any) -> pd.DataFrame:
+    """The original report's own F-16."""
     return experiments.curves("f16", "uniform", SEED, decibels=F16_DECIBELS)
 
 
 @needs("bunny")
-def bunny(**_):
+def bunny(**_: Any) -> pd.DataFrame:
     """The bunny at full resolution."""
     with warnings.catch_warnings():
         # As on the knot: with cotangent weights tau = 1 is above the stable step.
@@ -84,37 +91,37 @@ def bunny(**_):
         return experiments.full_resolution("bunny", SEED)
 
 
-def large_sphere(**_):
+def large_sphere(**_: Any) -> pd.DataFrame:
     """A mesh of the bunny's size that needs no download."""
     return experiments.full_resolution("large sphere", SEED)
 
 
-def reduction(**_):
+def reduction(**_: Any) -> pd.DataFrame:
     """What reducing a mesh does to the cotangent weights."""
     return experiments.reduction("fine knot", SEED)
 
 
-def origin(**_):
+def origin_shift(**_: Any) -> pd.DataFrame:
     """The SNR and the origin."""
-    return experiments.origin("knot", SEED)
+    return experiments.origin_shift("knot", SEED)
 
 
-def agreement(**_):
+def agreement(**_: Any) -> pd.DataFrame:
     """Where SNR and other metrics would stop."""
     cases = [("knot", 0.3), ("torus", 0.3), ("sphere", 0.3), ("box", 0.3), ("jet", 0.3)]
     return experiments.agreement(cases, seed=SEED)
 
 
-def quality(journal, **_):
+def quality(journal: Path, **_: Any) -> pd.DataFrame:
     """Every filter, with default, automatic and tuned parameters."""
     meshes = ["box", "torus", "knot", "jet"]
     for mesh, pair in experiments.PAIRS.items():
-        if datasets.find(pair.clean) and datasets.find(pair.noisy):
+        if datasets.find(pair.ground_truth) and datasets.find(pair.noisy):
             meshes.append(mesh)
     return experiments.quality(meshes, QUALITY_NOISE, SEED, path=journal)
 
 
-def missiles(**_):
+def missiles(**_: Any) -> pd.DataFrame:
     """The averaging filters at their best for the jet's missiles, with the same noise."""
     return experiments.averaging_for_missiles(QUALITY_NOISE, SEED)
 
@@ -122,8 +129,8 @@ def missiles(**_):
 TABLES = {
     make.__name__: make
     for make in (
-        table_1, distance_readings, knot, spectrum, jet, jet_parts, jet_without_missiles,
-        f16, bunny, large_sphere, reduction, origin, agreement, quality,
+        table_1, distance_readings, knot, eigenvalues, jet, jet_parts, jet_without_missiles,
+        f16, bunny, large_sphere, reduction, origin_shift, agreement, quality,
         missiles,
     )
 }  # fmt: skip

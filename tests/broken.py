@@ -39,7 +39,7 @@ def moebius_strip(segments=9):
 
 @st.composite
 def wild_meshes(draw, vertices=8, faces=14):
-    """Any faces over few points: repeated, collapsed, degenerate, not manifold, in pieces."""
+    """Any faces over few points: duplicate, degenerate in any way, not manifold, in pieces."""
     n = draw(st.integers(3, vertices))
     index = st.integers(0, n - 1)
     F = draw(st.lists(st.tuples(index, index, index), min_size=1, max_size=faces))

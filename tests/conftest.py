@@ -1,4 +1,4 @@
-"""What several test files share."""
+"""What several test files share, and which of them are slow."""
 
 import os
 from pathlib import Path
@@ -10,6 +10,21 @@ from hypothesis import settings
 # No deadline: a slow machine is no fault. In CI the examples are the same in every run.
 settings.register_profile("meshfair", deadline=None, derandomize=bool(os.environ.get("CI")))
 settings.load_profile("meshfair")
+
+
+# What `make check` leaves out: what starts browsers, kernels, builds and other processes, or reads
+# thousands of files. So do tests on real meshes. The rest are the numerical tests.
+SLOW = {
+    "test_assignments", "test_benchmarks", "test_browser", "test_cli", "test_grading",
+    "test_install", "test_io", "test_notebooks", "test_report", "test_sweep",
+}  # fmt: skip
+
+
+@pytest.hookimpl(tryfirst=True)  # before pytest itself selects by marker
+def pytest_collection_modifyitems(items):
+    for item in items:
+        if item.path.stem in SLOW or "mirror" in item.fixturenames:
+            item.add_marker(pytest.mark.slow)
 
 
 @pytest.fixture

@@ -41,7 +41,7 @@ CLOSED = {
 
 @st.composite
 def soups(draw, vertices=12, faces=20):
-    """Any triangles over random points: open, not manifold, repeated, unreferenced, in pieces."""
+    """Any triangles over random points: open, not manifold, duplicate, unreferenced, in pieces."""
     n = draw(st.integers(3, vertices))
     m = draw(st.integers(1, faces))
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
@@ -58,7 +58,7 @@ def rigid_motions(draw):
 
 
 def pair(mirror, name):
-    """A public pair of GuidedDenoising: noisy and clean positions, faces."""
+    """A public pair of GuidedDenoising: noisy and noise-free positions, faces."""
     V_noisy, F = io.read(mirror / f"GuidedDenoising-{name}-Noisy.obj")
     V, _ = io.read(mirror / f"GuidedDenoising-{name}-Original.obj")
     return V_noisy, V, F

@@ -10,9 +10,10 @@ from pathlib import Path
 
 import pytest
 
+from meshfair_grading import source as source_module
 from meshfair_grading.feedback import Report
 from meshfair_grading.generate import ASSIGNMENTS, drifted, main
-from meshfair_grading.source import HIDDEN, SOLUTION, Source
+from meshfair_grading.source import HIDDEN, MARKER, SOLUTION, Source
 from meshfair_grading.students import NotebookStudent
 
 NAMES = ("a1", "a2", "a3", "a4", "a5")
@@ -81,17 +82,51 @@ def test_the_committed_student_version_is_what_the_source_makes(name):
     assert drifted(SOURCES[name], ASSIGNMENTS / "student") == [], "run make assignments"
 
 
+LONG = 25  # characters: a shorter line may stand anywhere
+
+
+def secrets(source):
+    """Lines of an instructor's file that no student may see, and that stand nowhere else in it."""
+    text = source.path.read_text(encoding="utf-8")
+    blocks = [*SOLUTION.finditer(text), *HIDDEN.finditer(text)]
+    lines = {line.strip() for block in blocks for line in block[0].splitlines()}
+    for block in blocks:
+        text = text.replace(block[0], "")
+    public = {line.strip() for line in text.splitlines()}
+    return {x for x in lines - public if len(x) >= LONG and not MARKER.search(x)}
+
+
+def leaks(source):
+    """What a student's files give away: secret lines, markers, the makers of unseen meshes."""
+    files = source.student_files()
+    text = "\n".join([files[f"{source.name}.py"], files[f"{source.name}_checks.py"]])
+    cells = json.loads(files[f"{source.name}.ipynb"])["cells"]
+    text += "\n" + "\n".join("".join(cell["source"]) for cell in cells)
+    shown = {line.strip() for line in text.splitlines()}
+    return sorted(secrets(source) & shown) + re.findall(r"### (?:BEGIN|END)|\bunseen\b", text)
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_students_get_neither_solutions_nor_hidden_tests(name):
-    files = "".join(SOURCES[name].student_files().values())
-    assert "BEGIN" not in files
-    assert "unseen_" not in files
-    assert "raise NotImplementedError" in files
-    source = SOURCES[name].path.read_text(encoding="utf-8")
-    for secret in [*SOLUTION.finditer(source), *HIDDEN.finditer(source)]:
-        # Not even a line that is long enough to be of one solution only.
-        for line in secret[0].splitlines()[1:-1]:
-            assert len(line.strip()) < 25 or line.strip() not in SOURCES[name].stub()
+    assert len(secrets(SOURCES[name])) >= 10  # there is something to find
+    assert leaks(SOURCES[name]) == []
+    assert "raise NotImplementedError" in SOURCES[name].stub()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_leak_would_be_found(name, monkeypatch):
+    """Were hidden tests or solutions handed out, the test above would fail."""
+    without_markers = source_module._without_markers
+    monkeypatch.setattr(source_module, "_released", without_markers)
+    assert len(leaks(SOURCES[name])) >= 10
+    monkeypatch.undo()
+    monkeypatch.setattr(Source, "stub", Source.solution)
+    assert len(leaks(SOURCES[name])) >= 3
+    monkeypatch.undo()
+    with_hidden_tests = Source._text(SOURCES[name], "checks", without_markers)
+    files = {**SOURCES[name].student_files(), f"{name}_checks.py": with_hidden_tests}
+    monkeypatch.setattr(Source, "student_files", lambda self: files)
+    assert len(leaks(SOURCES[name])) >= 2
 
 
 def test_drift_is_found_and_repaired(tmp_path, capsys):
@@ -118,6 +153,7 @@ def test_a_faulty_source_is_refused(text, message, tmp_path):
         Source.read(path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_the_students_notebook_runs(name, tmp_path):
     """In a kernel, from a fresh folder: with the stub, and after the solution was saved."""
@@ -191,9 +227,9 @@ def nbgrader_points(interface, course, right, wrong):
     for mine, theirs in zip(source["cells"], release["cells"], strict=True):
         if mine["metadata"].get("nbgrader", {}).get("solution"):
             theirs["source"] = "".join(mine["source"]).replace(right, wrong)
-    handed_in = course / "submitted" / "bela" / "a2" / "a2.ipynb"
-    handed_in.parent.mkdir(parents=True)
-    handed_in.write_text(json.dumps(release), "utf-8")
+    submission = course / "submitted" / "bela" / "a2" / "a2.ipynb"
+    submission.parent.mkdir(parents=True)
+    submission.write_text(json.dumps(release), "utf-8")
     told = interface.autograde("a2", "bela")
     assert told["success"], told["log"]
     with interface.gradebook as gradebook:

@@ -31,6 +31,7 @@ def test_a_quick_benchmark_agrees_and_writes_its_tables(tmp_path):
         assert row["rounds"] == "1"
     methods = [row["method"] for row in rows(tmp_path / "filters.csv")]
     assert methods == denoising.methods()
+    assert len(rows(tmp_path / "starting.csv")) == 3
     assert [row["vertices"] for row in rows(tmp_path / "scaling.csv")] == ["600", "2400"]
     assert {"processor", "cores", "numba"} <= {
         row["what"] for row in rows(tmp_path / "machine.csv")

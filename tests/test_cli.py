@@ -8,11 +8,13 @@ import sys
 
 import numpy as np
 import pytest
+from packaging.requirements import Requirement
 
 from broken import bow_tie
 from meshes import grid
-from meshfair import cli, denoising, io, mesh, metrics, noise, shapes
+from meshfair import _fast, cli, denoising, io, mesh, metrics, noise, shapes
 from meshfair.cli import doctor, printing
+from meshfair.cli import noise as noise_command
 
 
 @pytest.fixture
@@ -79,7 +81,7 @@ def test_info_as_json(run, tmp_path):
         ("cut.off", b"OFF\n3 1 0\n0 0 0\n1 0 0\n", "cut.off"),
     ],
 )
-def test_what_is_no_mesh_is_told_in_one_line(run, tmp_path, name, content, message):
+def test_what_is_no_mesh_is_refused_in_one_line(run, tmp_path, name, content, message):
     if content is not None:
         (tmp_path / name).write_bytes(content)
     code, out, err = run("info", tmp_path / name)
@@ -101,17 +103,16 @@ def test_what_should_be_known_is_a_warning_on_standard_error(run, tmp_path):
     code, out, err = run("info", path)
     assert code == 0
     assert one_line(err).startswith("meshfair info: warning: ")
-    assert "duplicate" not in out
-    assert "in the place of another" in out
+    assert "duplicate vertices, in the place of another" in out
     code, out, err = run("info", path, "--weld-stl")
     assert (code, err) == (0, "")
     assert "no problems found" in out
 
 
-# --- clean --------------------------------------------------------------------------------
+# --- repair -------------------------------------------------------------------------------
 
 
-def test_clean_does_what_is_asked_and_tells(run, tmp_path):
+def test_repair_does_what_is_asked_and_reports(run, tmp_path):
     source, out = tmp_path / "in.off", tmp_path / "out.off"
     io.write(source, *bow_tie())
     code, text, _ = run("repair", source, out, "--split", "--unreferenced")
@@ -124,14 +125,14 @@ def test_clean_does_what_is_asked_and_tells(run, tmp_path):
     assert np.array_equal(F, expected.F)
 
 
-def test_clean_does_nothing_unasked(run, knot, tmp_path):
+def test_repair_does_nothing_unasked(run, knot, tmp_path):
     code, text, _ = run("repair", knot, tmp_path / "same.ply")
     assert code == 0
     assert "nothing was asked for" in text
     assert (tmp_path / "same.ply").read_bytes() == knot.read_bytes()
 
 
-def test_clean_as_json(run, knot, tmp_path):
+def test_repair_as_json(run, knot, tmp_path):
     code, text, _ = run(
         "repair", knot, tmp_path / "o.obj", "--weld", 0, "--orient", "outward", "--json"
     )
@@ -147,11 +148,12 @@ def test_clean_as_json(run, knot, tmp_path):
 def test_noise_is_that_of_the_package(run, knot, tmp_path):
     V, F = shapes.knot()
     models = {
-        "along-normals": lambda rng: noise.along_normals(V, F, 0.3, rng),
+        "normals": lambda rng: noise.along_normals(V, F, 0.3, rng),
         "gaussian": lambda rng: noise.gaussian(V, F, 0.3, rng),
         "uniform": lambda rng: noise.uniform(V, 8, rng),
         "impulsive": lambda rng: noise.impulsive(V, F, 0.3, 0.5, rng),
     }
+    assert tuple(models) == (*noise.MODELS, "impulsive") == noise_command.MODELS
     for name, model in models.items():
         out = tmp_path / f"{name}.ply"
         words = ["--sigma", 0.3, "--amplitude", 8, "--fraction", 0.5, "--seed", 5, "--json"]
@@ -183,7 +185,7 @@ def test_no_noise_has_no_snr_that_json_could_hold(run, knot, tmp_path):
         (["--model", "uniform"], "--amplitude"),
         (["--sigma", "-1"], "sigma"),
         (["--sigma", "nan"], "sigma"),
-        (["--seed", "-3"], "--seed"),
+        (["--seed", "-3"], "--seed is -3"),
         (["--model", "impulsive", "--fraction", "2"], "fraction"),
     ],
 )
@@ -259,7 +261,7 @@ def test_denoise_is_that_of_the_package(run, noisy, tmp_path):
         assert facts["parameters"] == expected.parameters
 
 
-def test_denoise_tells_how_much_closer_it_came(run, noisy, knot, tmp_path):
+def test_denoise_says_how_much_closer_the_result_is(run, noisy, knot, tmp_path):
     words = ["denoise", noisy, tmp_path / "o.ply", "--method", "heat", "--ground-truth", knot]
     code, text, _ = run(*words)
     assert code == 0
@@ -272,7 +274,7 @@ def test_denoise_tells_how_much_closer_it_came(run, noisy, knot, tmp_path):
     assert history[-1]["snr"] == pytest.approx(after)
 
 
-def test_denoise_holds_the_boundary(run, tmp_path, rng):
+def test_denoise_fixes_the_boundary(run, tmp_path, rng):
     V, F = grid(6)
     V = V + 0.1 * rng.standard_normal(V.shape)
     io.write(tmp_path / "in.off", V, F)
@@ -281,7 +283,7 @@ def test_denoise_holds_the_boundary(run, tmp_path, rng):
     code, text, _ = run("denoise", tmp_path / "in.off", out, *words)
     assert code == 0
     rim = mesh.boundary_vertices(F)
-    assert json.loads(text)["held_vertices"] == len(rim)
+    assert json.loads(text)["fixed_vertices"] == len(rim)
     moved = np.any(io.read(out)[0] != V, axis=1)
     assert not moved[rim].any()
     assert moved.sum() == len(V) - len(rim)
@@ -313,7 +315,7 @@ def test_a_parameter_without_name_or_value_is_wrong_usage(noisy, tmp_path, text,
     assert "NAME=VALUE" in capsys.readouterr().err
 
 
-def test_the_clean_mesh_is_never_written_over(run, noisy, knot):
+def test_the_ground_truth_is_never_written_over(run, noisy, knot):
     before = knot.read_bytes()
     code, _, err = run("denoise", noisy, knot, "--force", "--ground-truth", knot)
     assert code == 1
@@ -419,7 +421,7 @@ def test_an_output_that_appears_during_the_work_is_kept(run, knot, tmp_path, mon
         out.write_text("someone else's")
         return V
 
-    monkeypatch.setattr(noise, "along_normals", slow)
+    monkeypatch.setitem(noise.MODELS, "normals", slow)
     code, _, err = run("noise", knot, out)
     assert code == 1
     assert "--force" in one_line(err)
@@ -437,6 +439,7 @@ def test_doctor_looks_at_everything(run, monkeypatch, tmp_path):
     assert {"python", "meshfair", "numpy", "libigl", "cores", "numba cache", "EGL"} <= set(checks)
     assert checks["numpy"]["found"] == np.__version__
     assert checks["numpy"]["state"] == "ok"
+    assert f"pytest {pytest.__version__}" in checks["extra test"]["found"]
     assert checks["real meshes"]["state"] == "note"
     assert str(tmp_path) in checks["real meshes"]["found"]
     assert facts["ok"] == (code == 0) == all(c["state"] != "problem" for c in facts["checks"])
@@ -444,47 +447,84 @@ def test_doctor_looks_at_everything(run, monkeypatch, tmp_path):
         assert check["state"] == "ok" or check["advice"]
 
 
-def test_doctor_finds_what_is_missing(run, monkeypatch):
+def test_doctor_tells_what_is_needed_from_what_is_optional(run, monkeypatch):
     import importlib.metadata
+    from email.message import Message
 
-    real = importlib.metadata.version
+    about = Message()
+    about["Requires-Python"] = ">=99"
+    for extra in ("fast", "viewer", "all"):
+        about["Provides-Extra"] = extra
+    requires = [
+        "numpy>=2.1", "scipy>=1.14", "absent>=1", "elsewhere; sys_platform == 'nowhere'",
+        "numba>=0.61; extra == 'fast'", "numpy; extra == 'viewer'", "missing>2; extra == 'viewer'",
+        "meshfair[fast,viewer]; extra == 'all'",
+    ]  # fmt: skip
+    versions = {"numpy": "2.4.6", "scipy": "1.9.0", "numba": "0.61.0"}
 
     def version(package):
-        if package == "pooch":
+        if package not in versions:
             raise importlib.metadata.PackageNotFoundError(package)
-        return {"scipy": "1.9.0"}.get(package) or real(package)
+        return versions[package]
 
+    monkeypatch.setattr(importlib.metadata, "metadata", lambda _: about)
+    monkeypatch.setattr(importlib.metadata, "requires", lambda _: requires)
     monkeypatch.setattr(importlib.metadata, "version", version)
     code, out, _ = run("doctor", "--json")
     assert code == 1
     checks = {check["name"]: check for check in json.loads(out)["checks"]}
-    assert checks["pooch"]["state"] == "problem"
-    assert "pip install pooch" in checks["pooch"]["advice"]
-    assert checks["scipy"]["state"] == "problem"
-    assert "older than 1.14" in checks["scipy"]["found"]
+    states = {name: check["state"] for name, check in list(checks.items())[:7]}
+    assert states == {
+        "python": "problem", "meshfair": "ok", "numpy": "ok", "scipy": "problem",
+        "absent": "problem", "extra fast": "ok", "extra viewer": "note",
+    }  # fmt: skip
+    assert checks["scipy"]["found"] == "scipy 1.9.0 is not >=1.14"
+    assert checks["absent"]["advice"] == 'pip install "absent>=1"'
+    assert checks["extra fast"]["found"] == "numba 0.61.0"
+    assert checks["extra viewer"]["found"] == "missing is not installed"
+    assert "meshfair[viewer]" in checks["extra viewer"]["advice"]
 
 
 @pytest.mark.parametrize(
-    ("found", "least", "state"),
+    ("found", "wanted", "state"),
     [
-        ("1.14", "1.14", "ok"),
-        ("1.9.3", "1.14", "problem"),
-        ("2.0", "1.14", "ok"),
-        ("1.14.0rc1", "1.14", "ok"),
-        ("0.18.0", None, "ok"),
+        ("1.14", ">=1.14", "ok"),
+        ("1.9.3", ">=1.14", "problem"),
+        ("2.0", ">=1.14", "ok"),
+        ("2.0", ">=2.0.0", "ok"),
+        ("1.14.0rc1", ">=1.14", "problem"),
+        ("1.15rc1", ">=1.14", "ok"),
+        ("2.0rc1", ">=2.0.1", "problem"),
+        ("0.18.0", "", "ok"),
+        (None, "", "problem"),
     ],
 )
-def test_versions_are_compared_as_numbers(found, least, state):
-    assert doctor._versions("x", found, least, None).state == state
+def test_versions_are_compared_as_python_does(found, wanted, state):
+    assert doctor._core(Requirement(f"x{wanted}"), found).state == state
 
 
-def test_a_check_that_fails_is_itself_a_finding():
-    def look(name):
-        raise ImportError("libX11.so.6: cannot open shared object file")
+def test_doctor_without_numba_is_no_problem(monkeypatch):
+    monkeypatch.setattr(_fast, "available", lambda: False)
+    (check,) = doctor._compiled_loops()
+    assert check.state == "note"
+    assert "meshfair[fast]" in check.advice
 
-    check = doctor._attempt("EGL", look)
-    assert check.state == "problem"
-    assert "libX11" in check.found
+
+@pytest.mark.parametrize(
+    ("error", "state", "words"),
+    [
+        (ImportError("libX11.so.6: cannot open shared object file"), "problem", "libX11"),
+        (ModuleNotFoundError("No module named 'pooch'", name="pooch"), "note", "without pooch"),
+    ],
+)
+def test_a_check_that_fails_is_itself_a_finding(error, state, words):
+    def look():
+        raise error
+
+    (check,) = doctor._attempt("real meshes", look)
+    assert check.state == state
+    assert words in check.found
+    assert check.advice
 
 
 # --- the frame ----------------------------------------------------------------------------
@@ -506,20 +546,49 @@ def test_wrong_usage_is_2(capsys):
     capsys.readouterr()
 
 
-def test_help_is_quick_because_it_loads_little():
+NOT_IN_CORE = {"numba", "pandas", "matplotlib", "polyscope", "tqdm", "pooch", "IPython"}
+
+
+@pytest.mark.parametrize(
+    ("words", "unneeded"),
+    [
+        (["--help"], {*NOT_IN_CORE, "scipy", "igl"}),
+        (["info", "knot.ply"], {*NOT_IN_CORE, "igl"}),
+        (["repair", "knot.ply", "o.ply", "--weld", "0.1", "--split"], {*NOT_IN_CORE, "igl"}),
+        (["noise", "knot.ply", "o.ply"], {*NOT_IN_CORE, "igl"}),
+        (["denoise", "knot.ply", "o.ply"], {*NOT_IN_CORE, "igl"}),
+        (["compare", "knot.ply", "knot.ply"], NOT_IN_CORE),
+    ],
+    ids=lambda words: words[0] if isinstance(words, list) else "",
+)
+def test_commands_are_quick_because_they_load_little(words, unneeded, knot):
     code = (
         "import sys; from meshfair.cli import main\n"
-        "try: main(['--help'])\n"
-        "except SystemExit: pass\n"
-        "print(*{m.split('.')[0] for m in sys.modules}, file=sys.stderr)"
+        f"try: code = main({words})\n"
+        "except SystemExit as stop: code = stop.code\n"
+        "print(*{m.split('.')[0] for m in sys.modules}, file=sys.stderr)\n"
+        "sys.exit(code)"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, cwd=knot.parent
+    )
+    assert done.returncode == 0, done.stderr
     loaded = set(done.stderr.split())
-    assert "meshfair" in loaded
-    assert loaded.isdisjoint({"scipy", "numba", "igl", "pandas", "matplotlib", "polyscope"})
+    assert {"meshfair", "numpy"} <= loaded
+    assert loaded.isdisjoint(unneeded)
 
 
-def test_a_fault_of_the_package_is_told_as_such(run, knot, monkeypatch):
+def test_what_is_not_installed_is_named(run, knot, monkeypatch):
+    def needs(V, F):
+        raise ModuleNotFoundError("No module named 'pandas'", name="pandas")
+
+    monkeypatch.setattr(mesh, "inspect", needs)
+    code, _, err = run("info", knot)
+    assert code == 1
+    assert "needs pandas, which is not installed; see meshfair doctor" in one_line(err)
+
+
+def test_an_error_of_the_package_is_reported_as_such(run, knot, monkeypatch):
     def broken(V, F):
         raise TypeError("unexpected\nthings")
 

@@ -120,7 +120,7 @@ def test_a_filter_of_ones_own(noisy_box, monkeypatch):
     @denoising.register(
         "halfway",
         candidates=[{"iterations": 6}],
-        stopped=lambda parameters, k: parameters | {"iterations": k},
+        count="iterations",
     )
     def halfway(V, F, *, iterations=3):
         A = operators.averaging(weights.combinatorial(F, len(V)))

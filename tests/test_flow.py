@@ -3,11 +3,13 @@ import warnings
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_array
 
 from meshes import fan
 from meshfair import (
     MeshError,
     StabilityWarning,
+    _fast,
     flow,
     metrics,
     noise,
@@ -96,7 +98,7 @@ def test_rebuilding_follows_the_surface(rng):
     for _ in range(3):
         by_hand = 0.5 * by_hand + 0.5 * (build(by_hand) @ by_hand)
     *_, (_, rebuilt) = flow.heat(V, build, 0.5, 1.5)
-    *_, (_, once) = flow.heat(V, build, 0.5, 1.5)
+    *_, (_, once) = flow.heat(V, build(V), 0.5, 1.5)
     np.testing.assert_allclose(rebuilt, by_hand, atol=1e-14)
     assert np.abs(rebuilt - once).max() > 1e-6
 
@@ -169,7 +171,6 @@ def test_unstable_cotangent_steps_are_warned_of_with_the_bound():
         (lambda V, A: flow.heat(V, A, np.nan, 1), ValueError, "tau is nan"),
         (lambda V, A: flow.heat(V, A, 0.2, -1), ValueError, "time is -1"),
         (lambda V, A: flow.heat(V, A, 0.2, np.inf), ValueError, "time is inf"),
-        (lambda V, A: flow.heat(V, A, 0.2, 1), ValueError, "needs a function"),
         (lambda V, A: flow.heat(V[:5], A, 0.2, 1), MeshError, "V has 5 vertices"),
         (lambda V, A: flow.average(V, A, -1), ValueError, "iterations is -1"),
         (lambda V, A: flow.average(V, A, 1.5), ValueError, "iterations is 1.5"),
@@ -189,3 +190,143 @@ def test_a_non_manifold_mesh_flows_to_finite_places(rng):
         *_, (_, last) = flow.heat(V, operators.averaging(W), 0.5, 10)
         assert np.isfinite(last).all()
         np.testing.assert_array_equal(last[-1], [9, 9, 9])
+
+
+@pytest.mark.parametrize("as_mask", [False, True])
+def test_fixed_vertices_stay(as_mask, rng):
+    V, F, A = torus_and_average()
+    V = noise.gaussian(V, F, 0.3, rng)
+    fixed = np.array([0, 17, len(V) - 1])
+    mask = np.isin(np.arange(len(V)), fixed)
+    chosen = mask if as_mask else fixed
+    by_hand = V
+    for _ in range(10):
+        by_hand = np.where(mask[:, None], V, 0.6 * by_hand + 0.4 * (A @ by_hand))
+    states = [X for _, X in flow.heat(V, A, 0.4, 4, fixed=chosen)]
+    np.testing.assert_allclose(states[-1], by_hand, atol=1e-13)
+    np.testing.assert_array_equal(states[-1][fixed], V[fixed])
+    curve = flow.snr_curve(V, V + 1, A, 0.4, 4, fixed=chosen)
+    np.testing.assert_allclose(curve[:, 1], [metrics.snr(V + 1, X) for X in states], rtol=1e-12)
+    once = flow.average(V, A, 1, fixed=chosen)
+    np.testing.assert_allclose(once, np.where(mask[:, None], V, A @ V), atol=1e-14)
+    nothing_moves = flow.best_stopping(V, V + 1, A, 0.4, 2, fixed=np.ones(len(V), dtype=bool))
+    assert nothing_moves == (0.0, pytest.approx(metrics.snr(V + 1, V), rel=1e-12), 0.0)
+
+
+@pytest.mark.parametrize(
+    ("fixed", "message"),
+    [
+        (np.zeros(7, dtype=bool), "a mask needs"),
+        ([0, 200], "vertex index 200, but there are 200"),
+        ([-1], "vertex index -1"),
+        ([0.5], "boolean mask or vertex indices"),
+    ],
+)
+def test_fixed_vertices_that_are_none(fixed, message):
+    V, _, A = torus_and_average()
+    for call in (
+        lambda: flow.average(V, A, 1, fixed=fixed),
+        lambda: flow.heat(V, A, 0.5, 1, fixed=fixed),
+        lambda: flow.snr_curve(V, V, A, 0.5, 1, fixed=fixed),
+    ):
+        with pytest.raises(MeshError, match=message):
+            call()
+
+
+@pytest.mark.filterwarnings("ignore::meshfair.StabilityWarning")
+@pytest.mark.parametrize("compiled", [False, True])
+def test_a_flow_that_explodes_is_stopped(compiled, rng, monkeypatch):
+    V, F, A = torus_and_average()
+    V = noise.gaussian(V, F, 0.3, rng)
+    monkeypatch.setattr(_fast, "wanted", lambda rows: compiled)
+    for call in (
+        lambda: flow.snr_curve(V, V + 1, A, 1e3, 1e6),
+        lambda: list(flow.heat(V, A, 1e3, 1e6)),
+    ):
+        with pytest.raises(MeshError, match=r"outgrown all numbers at time .* take a smaller"):
+            call()
+
+
+@pytest.mark.parametrize("iterations", [0, 1, 2, 3])
+@pytest.mark.parametrize("compiled", [False, True])
+def test_averaging_gives_a_new_array(iterations, compiled, monkeypatch):
+    monkeypatch.setattr(_fast, "wanted", lambda rows: compiled)
+    V, _, A = torus_and_average()
+    before = V.copy()
+    X = flow.average(V, A, iterations)
+    X[:] = 7
+    np.testing.assert_array_equal(V, before)
+
+
+def test_an_operator_with_columns_that_do_not_exist_is_refused():
+    V, _, A = torus_and_average()
+    A.indices[3] = 10**6
+    with pytest.raises(MeshError, match="a column that it does not have"):
+        flow.average(V, A, 1)
+
+
+def test_lists_are_positions_and_other_things_are_not():
+    V, _, A = torus_and_average()
+    np.testing.assert_array_equal(flow.average(V.tolist(), A, 2), flow.average(V, A, 2))
+    np.testing.assert_array_equal(
+        flow.snr_curve(V.tolist(), (V + 1).tolist(), A, 0.5, 1),
+        flow.snr_curve(V, V + 1, A, 0.5, 1),
+    )
+    bad = V.copy()
+    bad[7, 1] = np.nan
+    for call in (
+        lambda X: flow.average(X, A, 1),
+        lambda X: flow.heat(X, A, 0.5, 1),
+        lambda X: flow.best_stopping(X, V, A, 0.5, 1),
+        lambda X: flow.best_stopping(V, X, A, 0.5, 1),
+    ):
+        with pytest.raises(MeshError, match="vertex 7 has y = nan"):
+            call(bad)
+
+
+def test_an_operator_is_built_before_each_step():
+    V, _, A = torus_and_average()
+    seen = []
+
+    def build(X):
+        seen.append(X.copy())
+        return A
+
+    states = [X for _, X in flow.heat(V, build, 0.5, 2)]
+    assert len(states) == 5
+    assert len(seen) == 4  # once a step, from the positions before it
+    for X, state in zip(seen, states, strict=False):
+        np.testing.assert_array_equal(X, state)
+
+
+def test_an_operator_that_becomes_another_ones_is_refused():
+    V, _, A = torus_and_average()
+    operators_in_turn = iter([A, csr_array(np.eye(5))])
+    states = flow.heat(V, lambda X: next(operators_in_turn), 0.5, 2)
+    with pytest.raises(MeshError, match=r"the operator has shape \(5, 5\), but V has 200"):
+        list(states)
+
+
+@pytest.mark.filterwarnings("ignore::meshfair.StabilityWarning")
+def test_a_backward_flow_has_as_many_steps_and_undoes_the_forward_one():
+    V, _, A = torus_and_average()
+    times, states = zip(*flow.heat(V, A, -0.25, 1), strict=True)
+    assert times == (0, -0.25, -0.5, -0.75, -1)
+    np.testing.assert_allclose(states[1], 1.25 * V - 0.25 * (A @ V), atol=1e-14)
+
+
+@pytest.mark.filterwarnings("ignore::meshfair.StabilityWarning")
+def test_one_vertex_that_outgrows_all_numbers_is_enough():
+    V = np.eye(3)
+    A = csr_array(np.diag([1.0, 1, 1e80]))
+    with pytest.raises(MeshError, match="outgrown all numbers at time 1"):
+        list(flow.heat(V, A, 1, 1))
+
+
+def test_the_gain_is_relative_to_the_size_of_a_negative_snr():
+    # One mesh of one vertex at distance 1: noise of 10 is -20 dB, of 5 it is -14 dB.
+    V_true, V = np.array([[1.0, 0, 0]]), np.array([[11.0, 0, 0]])
+    best = flow.best_stopping(V, V_true, csr_array([[6 / 11]]), 1, 1)
+    assert best.time == 1
+    assert best.snr == pytest.approx(-20 * np.log10(5))
+    assert best.gain == pytest.approx(100 * np.log10(2))

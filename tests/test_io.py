@@ -25,7 +25,7 @@ from meshfair.io import ply, text
 EXACT = [".obj", ".off", ".ply", ".obj.gz", ".off.gz", ".ply.gz"]
 ALL = [*EXACT, ".stl", ".stl.gz"]
 BOTH = [*((ending, True) for ending in ALL), (".ply", False), (".stl", False)]
-# After the name of the file: where in it the fault is.
+# After the name of the file: where in it the error is.
 PLACE = r"(:| has no) (opening|name|header|line \d|byte \d|faces|face \d|vertex \d|vertices)"
 
 
@@ -71,7 +71,7 @@ def test_malformed_files_give_a_mesh_error(refused):
     assert not wrong
 
 
-def test_malformed_files_are_told_with_name_and_place_in_one_line(refused):
+def test_malformed_files_are_refused_with_name_and_place_in_one_line(refused):
     for name, end in refused.items():
         assert re.search(re.escape(name) + PLACE, end["message"]), end
         assert end["message"].isprintable() or "\ufffd" in end["message"]
@@ -95,7 +95,7 @@ def test_the_message_has_all_four_parts(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("name", "told"),
+    ("name", "words"),
     [
         ("html.obj", "HTML"),
         ("lfs.ply", "git-LFS pointer"),
@@ -126,8 +126,8 @@ def test_the_message_has_all_four_parts(tmp_path):
         ("counts_more_faces.off", "6 vertices and 7 faces announced, but 12 lines follow"),
     ],
 )
-def test_messages_say_what_was_found(refused, name, told):
-    assert told in refused[name]["message"]
+def test_messages_say_what_was_found(refused, name, words):
+    assert words in refused[name]["message"]
 
 
 def test_places_of_lines_are_those_of_an_editor(tmp_path):
@@ -194,16 +194,16 @@ def test_a_path_may_be_a_word_or_an_object(tmp_path, monkeypatch):
         assert same(io.read(path)[1], mesh_files.F)
 
 
-def test_cutting_polygons_is_told(tmp_path):
+def test_cutting_polygons_is_reported(tmp_path):
     path = tmp_path / "quads.obj"
     path.write_text(mesh_files.obj(faces=mesh_files.POLYGONS))
-    told = r"quads\.obj: 1 of 5 faces .* more than three corners \(up to 4\); .* 6 triangles"
-    with pytest.warns(MeshWarning, match=told) as record:
+    message = r"quads\.obj: 1 of 5 faces .* more than three corners \(up to 4\); .* 6 triangles"
+    with pytest.warns(MeshWarning, match=message) as record:
         io.read(path)
     assert record[0].filename == __file__  # the warning points at the caller
 
 
-def test_stl_is_not_merged_unless_asked_for_and_both_are_told(tmp_path, caplog):
+def test_stl_is_not_merged_unless_asked_for_and_both_are_reported(tmp_path, caplog):
     path = tmp_path / "pyramid.stl"
     path.write_bytes(mesh_files.SOUND["binary.stl"])
     with pytest.warns(
@@ -313,7 +313,7 @@ def test_obj_is_read_as_the_loop_reads_it(tmp_path_factory, before, middle, afte
 @given(st.text(alphabet=" \t\n\r\f\v#ab1.\\", max_size=60))
 def test_lines_and_words_are_those_of_python(data):
     data = data.encode()
-    lines = text.Lines(text.clean(data))
+    lines = text.Lines(text.normalised_text(data))
     by_python = re.sub(b"#[^\n]*", b"", data.replace(b"\r\n", b"\n").replace(b"\r", b"\n"))
     expected = [
         (i, line.split()) for i, line in enumerate(by_python.split(b"\n"), 1) if line.split()
@@ -591,7 +591,7 @@ def test_a_link_keeps_pointing_to_its_file(folder):
         assert same(io.read(folder / "deep" / "file.obj")[1], shapes.icosphere(subdivisions)[1])
 
 
-def test_what_cannot_be_written_is_told(folder):
+def test_what_cannot_be_written_is_named(folder):
     (folder / "folder.obj").mkdir()
     os.mkfifo(folder / "pipe.obj")
     (folder / "file").write_text("")
@@ -688,7 +688,7 @@ if kind == "times":  # killed at any time in between
 
 
 def in_children(path, kind):
-    """What the file was after each of many faults: "old" or "new", always whole."""
+    """What the file was after each of many failures: "old" or "new", always whole."""
     answer = subprocess.run(
         [sys.executable, "-c", IN_CHILDREN, str(path), kind],
         capture_output=True,
@@ -703,6 +703,7 @@ def test_a_full_disk_leaves_the_old_file_and_nothing_else(folder):
     assert in_children(folder / "a.ply", "full") == ["old"] * 4
 
 
+@pytest.mark.slow
 def test_a_kill_leaves_the_old_file_or_the_new_one(tmp_path):
     ends = in_children(tmp_path / "a.ply", "events")
     assert len(ends) >= 50
@@ -716,7 +717,7 @@ def test_a_kill_leaves_the_old_file_or_the_new_one(tmp_path):
 
 
 def mutant(data, rng):
-    """A file with one to four faults of the kinds that disks, networks and editors make."""
+    """A file with one to four errors of the kinds that disks, networks and editors make."""
     data = bytearray(data)
     for _ in range(rng.integers(1, 5)):
         at = int(rng.integers(0, len(data) + 1))
@@ -824,8 +825,8 @@ def fuzz(folder, examples):
         try:
             V, F = read(path)
         except MeshError as error:
-            told = path.name in str(error)
-            assert told
+            named = path.name in str(error)
+            assert named
         else:
             assert np.isfinite(V).all()
             assert len(F)

@@ -146,9 +146,9 @@ def test_left_and_right_mirror_each_other(detail):
 def test_missiles_are_a_few_edges_thick_and_their_fins_less():
     V, F = jet()
     edge = mesh.mean_edge_length(V, F)
-    for name, part in jet_parts().items():
-        if "missile" not in name:
-            continue
+    missiles = [part for name, part in jet_parts().items() if "missile" in name]
+    assert len(missiles) == 6
+    for part in missiles:
         tube, *fins = split(*part)
         length, _, diameter = np.ptp(tube[0], axis=0)
         assert 1.5 * edge < diameter < 4 * edge

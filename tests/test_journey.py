@@ -23,7 +23,7 @@ WEIGHTS = {
 
 
 def journey(V, F, folder, endings):
-    """Inspect, clean, add noise, flow with each weight, write, read."""
+    """Inspect, repair, add noise, flow with each weight, write, read."""
     assert mesh.inspect(V, F).faces == len(F)
     repaired = mesh.repair(
         V, F, degenerate=True, duplicates=True, orient="consistent", split=True, unreferenced=True

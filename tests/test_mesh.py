@@ -1,3 +1,5 @@
+"""The facts of a mesh; `inspect` and `cluster` are in test_inspect, `repair` in test_repair."""
+
 from itertools import combinations
 
 import igl
@@ -7,10 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from broken import TETRAHEDRON, bow_tie, hourglass, wild_meshes
+from fast import both
 from meshes import CLOSED, RIGHT_TRIANGLE, fan, grid, rigid_motions
 from meshfair import MeshError, mesh, operators, shapes, weights
-from meshfair.flow import average, heat
-from meshfair.mesh.duplicates import repeated_rows
+from meshfair.flow import heat
+from meshfair.mesh.duplicates import first_equal
 
 
 def edges_by_loop(F):
@@ -52,20 +55,20 @@ def test_half_edges_are_grouped_by_the_edge_they_lie_on(wild):
     st.lists(st.tuples(*[st.sampled_from([0.0, -0.0, 1.0, 1e-300, -2.5])] * 3), max_size=20),
     st.booleans(),
 )
-def test_repeated_rows_point_to_the_first_of_their_kind(rows, integers):
+def test_duplicate_rows_point_to_the_first_of_their_kind(rows, integers):
     expected = [rows.index(row) for row in rows]  # 0.0 == -0.0
     array = np.array(rows).reshape(-1, 3)
     if integers:
         array = (2 * array).astype(np.int64)
         expected = [array.tolist().index(row) for row in array.tolist()]
-    assert repeated_rows(array).tolist() == expected
+    assert first_equal(array).tolist() == expected
 
 
-def test_repeated_rows_are_found_where_only_the_high_bits_differ(rng):
+def test_duplicate_rows_are_found_where_only_the_high_bits_differ(rng):
     # Whole numbers have no low bits in float64, which a poor hash would multiply into ties.
     rows = rng.integers(0, 12, (5000, 3)).astype(float)
     _, first, group = np.unique(rows, axis=0, return_index=True, return_inverse=True)
-    assert np.array_equal(repeated_rows(rows), first[group])
+    assert np.array_equal(first_equal(rows), first[group])
 
 
 def test_unique_faces_keeps_the_first_whatever_the_orientation():
@@ -172,41 +175,13 @@ def test_boundary_of_a_grid():
     assert {tuple(e) for e in mesh.boundary_edges(F).tolist()} == theirs
 
 
-def test_a_repeated_face_does_not_hide_the_boundary():
+def test_a_duplicate_face_does_not_hide_the_boundary():
     _, F = grid(2)
     twice = np.concatenate([F, F[:, [1, 0, 2]]])
     assert np.array_equal(mesh.boundary_edges(twice), mesh.boundary_edges(F))
 
 
-def test_the_boundary_flows_as_a_curve():
-    V, F = grid(4)
-    rim = mesh.boundary_vertices(F)
-    A = operators.averaging(weights.combinatorial(F, len(V)))
-    curved = operators.boundary_as_curve(A, F)
-    np.testing.assert_allclose(curved.sum(axis=1), 1)
-    inside = np.setdiff1d(np.arange(len(V)), rim)
-    assert abs(curved[inside] - A[inside]).max() == 0
-    # A corner of the square goes to the middle of its two neighbours on the rim, and
-    # a point between two of its like stays where it is.
-    moved = curved @ V
-    np.testing.assert_allclose(moved[0], [0.5, 0.5, 0])
-    np.testing.assert_allclose(moved[2], V[2])
-
-
-def test_a_regular_polygon_shrinks_by_the_cosine_of_half_its_step():
-    # A disc: n vertices around a centre. Averaging neighbours on a circle multiplies
-    # the radius by cos(2 pi / n); the centre stays by symmetry.
-    n = 12
-    t = 2 * np.pi * np.arange(n) / n
-    V = np.vstack([np.column_stack([np.cos(t), np.sin(t), 0 * t]), np.zeros(3)])
-    F = np.array([[k, (k + 1) % n, n] for k in range(n)])
-    A = operators.boundary_as_curve(operators.averaging(weights.combinatorial(F, n + 1)), F)
-    X = average(V, A, 3)
-    np.testing.assert_allclose(np.linalg.norm(X[:n], axis=1), np.cos(2 * np.pi / n) ** 3)
-    np.testing.assert_allclose(X[n], 0, atol=1e-15)
-
-
-def test_a_held_boundary_stays_and_the_rest_moves(rng):
+def test_a_fixed_boundary_stays_and_the_rest_moves(rng):
     V, F = grid(5)
     V = V + 0.1 * rng.standard_normal(V.shape)
     rim = mesh.boundary_vertices(F)
@@ -217,23 +192,98 @@ def test_a_held_boundary_stays_and_the_rest_moves(rng):
     assert np.all(np.any(X[inside] != V[inside], axis=1))
 
 
-def test_smoothing_the_boundary_alone_leaves_the_surface():
-    from scipy.sparse import eye_array
-
-    V, F = grid(4)
-    curve = operators.boundary_as_curve(eye_array(len(V)), F)
-    moved = np.flatnonzero(np.any(curve @ V != V, axis=1))
-    assert moved.tolist() == [0, 4, 20, 24]  # the corners; all else is straight
-
-
-@pytest.mark.parametrize("A", [np.eye(3), np.ones((3, 4)), np.ones(3)])
-def test_an_operator_of_the_wrong_size_is_refused(A):
-    with pytest.raises(MeshError):
-        operators.boundary_as_curve(A, grid(2)[1])
-
-
 @pytest.mark.parametrize("make", [bow_tie, hourglass, lambda: fan(3)])
 def test_broken_meshes_have_finite_measures(make):
     V, F = make()
     assert np.isfinite(mesh.vertex_normals(V, F)).all()
     assert mesh.area(V, F) > 0
+
+
+def test_interior_edges_by_hand():
+    # Two right triangles on a diagonal, the second one folded up by 90 degrees, and a third
+    # face on the edge (0, 1), which has one face otherwise.
+    V = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]])
+    F = np.array([[0, 1, 2], [0, 2, 3]])
+    H = mesh.interior_edges(F)
+    assert H.corners.tolist() == [[0, 1, 2, 3]]
+    assert H.ends.tolist() == [[0, 2]]
+    assert H.faces.tolist() == [[0, 1]]
+    np.testing.assert_allclose(mesh.dihedral_angles(V, H), [np.pi / 2])
+    # An edge with a third face is no interior edge any more.
+    assert len(mesh.interior_edges(np.array([[0, 1, 2], [0, 2, 3], [2, 0, 4]])).faces) == 0
+
+
+def test_dihedral_angles_of_a_box_are_flat_or_right():
+    V, F = shapes.box(segments=(2, 3, 4))
+    H = mesh.interior_edges(F)
+    assert len(H.faces) == len(mesh.Edges(F))  # closed: each edge has two faces
+    angles = np.degrees(mesh.dihedral_angles(V, H))
+    on_rim = np.isclose(angles, 90)
+    np.testing.assert_allclose(angles[~on_rim], 0, atol=1e-6)
+    assert on_rim.sum() == 4 * (2 + 3 + 4)  # the segments of the box's twelve edges
+    # Each quadruple's faces are the two triangles on their edge.
+    p1, p2, p3, p4 = H.corners.T
+    for tips, face in ((p2, H.faces[:, 0]), (p4, H.faces[:, 1])):
+        np.testing.assert_array_equal(
+            np.sort(F[face], axis=1), np.sort(np.stack([p1, p3, tips], axis=1), axis=1)
+        )
+
+
+# --- numbering ----------------------------------------------------------------------------
+
+
+def mixed(V, F, rng):
+    """The same mesh with its vertices in a random order."""
+    order = rng.permutation(len(V))
+    return V[order], np.argsort(order)[F]
+
+
+def test_a_reordered_mesh_is_the_same_mesh(rng):
+    V, F = mixed(*shapes.torus(sections=40, sides=20), rng)
+    for V_near, F_near, order in both(lambda: mesh.reorder(V, F)):
+        np.testing.assert_array_equal(V_near[F_near], V[F])  # corner by corner
+        np.testing.assert_array_equal(np.sort(order), np.arange(len(V)))
+        np.testing.assert_array_equal(mesh.restore_order(V_near, order), V)
+        assert F_near.dtype == order.dtype == np.int64
+        # Neighbours are near: breadth-first, an edge spans two levels at most. On a torus
+        # around which a level is two circles of 20 to 40 vertices, that is far below the
+        # third of all 800 by which two random vertices differ.
+        span = np.abs(np.diff(mesh.Edges(F_near).ends, axis=1)).mean()
+        assert span < 80 < np.abs(np.diff(mesh.Edges(F).ends, axis=1)).mean()
+
+
+def test_every_component_is_numbered_from_its_lowest_vertex():
+    V, F = np.zeros((11, 3)), [[3, 4, 5], [0, 1, 9]]
+    for _, _, order in both(lambda: mesh.reorder(V, F)):
+        assert order.tolist() == [0, 1, 9, 2, 3, 4, 5, 6, 7, 8, 10]
+
+
+@given(wild_meshes())
+def test_both_forms_number_alike(wild):
+    plain, compiled = both(lambda: mesh.reorder(*wild))
+    for one, other in zip(plain, compiled, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize("columns", [(3,), (), (1, 2)])
+def test_values_of_vertices_are_put_back(rng, columns):
+    X = rng.standard_normal((500, *columns))
+    order = rng.permutation(len(X))
+    np.testing.assert_array_equal(mesh.restore_order(X[order], order), X)
+    np.testing.assert_array_equal(mesh.restore_order(np.asfortranarray(X[order]), order), X)
+    names = np.array(["a", "b", "c"])
+    assert mesh.restore_order(names, [2, 0, 1]).tolist() == ["b", "c", "a"]
+
+
+@pytest.mark.parametrize(
+    ("order", "message"),
+    [
+        ([0, 1], r"int64 of shape \(2,\), but X has 3 rows"),
+        ([0.0, 1.0, 2.0], "float64"),
+        ([0, 1, 3], r"outside 0 \.\. 2"),
+        ([0, -1, 2], r"outside 0 \.\. 2"),
+    ],
+)
+def test_an_order_of_another_mesh_is_refused(order, message):
+    with pytest.raises(MeshError, match=message):
+        mesh.restore_order(np.zeros((3, 3)), order)

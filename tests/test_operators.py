@@ -3,10 +3,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import eigh
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, eye_array
 
 from meshes import CLOSED, RIGHT_TRIANGLE, grid, soups
-from meshfair import MeshError, noise, operators, reference, shapes, stability, weights
+from meshfair import MeshError, flow, mesh, noise, operators, reference, shapes, weights
 
 
 def all_weights(V, F):
@@ -96,57 +96,6 @@ def test_the_bound_of_three_is_approached():
     assert generalised(weights.cotangent(V, np.array([[0, 1, 2]]))).max() > 2.999
 
 
-@pytest.mark.parametrize("subdivisions", [1, 3])  # a dense and a sparse eigenvalue problem
-def test_stable_step_is_two_over_the_largest_eigenvalue(subdivisions, rng):
-    V, F = shapes.icosphere(subdivisions)
-    V = noise.gaussian(V, F, 0.5, rng)
-    for W in all_weights(V, F).values():
-        bound = stability.stable_step(operators.averaging(W))
-        # 1e-3 is the accuracy asked of the eigenvalue.
-        assert bound == pytest.approx(2 / generalised(W).max(), rel=2e-3)
-
-
-def test_stable_step_separates_decay_from_growth(rng):
-    V, F = shapes.icosphere(2)
-    V = noise.gaussian(V, F, 0.5, rng)
-    A = operators.averaging(weights.cotangent(V, F))
-    bound = stability.stable_step(A)
-    x = rng.standard_normal(len(V))
-
-    def size_after(tau, steps=3000):
-        y = x.copy()
-        for _ in range(steps):
-            y = (1 - tau) * y + tau * (A @ y)
-        return np.abs(y).max()
-
-    assert size_after(0.99 * bound) <= np.abs(x).max() * 10
-    assert size_after(1.01 * bound) > np.abs(x).max() * 1e6
-
-
-def test_what_is_surely_stable_is_stable(rng):
-    V, F = shapes.icosphere(3)
-    for size in (0, 0.2, 0.5):
-        V_noisy = noise.gaussian(V, F, size, rng)
-        M = operators.mass(V_noisy, F)
-        for W in all_weights(V_noisy, F).values():
-            for A in (operators.averaging(W), operators.diffusion(W, M)):
-                bound = stability.stable_step(A)
-                assert not stability.surely_stable(A, 1.002 * bound)
-                assert stability.surely_stable(A, 0.6 * bound)
-
-
-def test_the_step_of_the_identity_and_of_any_unit():
-    one = csr_array(np.eye(200))
-    assert stability.stable_step(one) == np.inf
-    assert stability.surely_stable(one, 1e300)
-    V, F = shapes.icosphere(3)
-    steps = []
-    for s in (1, 1e-30):
-        A = operators.diffusion(weights.cotangent(s * V, F), operators.mass(s * V, F))
-        steps.append(stability.stable_step(A))
-    assert steps[1] == pytest.approx(1e-60 * steps[0], rel=2e-3)
-
-
 def test_diffusion_of_a_flat_mesh_moves_no_inner_vertex(rng):
     V, F = grid(6, irregular=rng)
     A = operators.diffusion(weights.cotangent(V, F), operators.mass(V, F))
@@ -192,3 +141,84 @@ def test_sizes_that_do_not_fit():
     V, F = shapes.icosphere(1)
     with pytest.raises(MeshError, match="build both from one mesh"):
         operators.diffusion(weights.cotangent(V, F), operators.mass(V[:5], [[0, 1, 2]]))
+
+
+def test_the_boundary_flows_as_a_curve():
+    V, F = grid(4)
+    rim = mesh.boundary_vertices(F)
+    A = operators.averaging(weights.combinatorial(F, len(V)))
+    curved = operators.boundary_as_curve(A, F)
+    np.testing.assert_allclose(curved.sum(axis=1), 1)
+    inside = np.setdiff1d(np.arange(len(V)), rim)
+    assert abs(curved[inside] - A[inside]).max() == 0
+    # A corner of the square goes to the middle of its two neighbours on the rim, and
+    # a point between two of its like stays where it is.
+    moved = curved @ V
+    np.testing.assert_allclose(moved[0], [0.5, 0.5, 0])
+    np.testing.assert_allclose(moved[2], V[2])
+
+
+def test_a_regular_polygon_shrinks_by_the_cosine_of_half_its_step():
+    # A disc: n vertices around a centre. Averaging neighbours on a circle multiplies
+    # the radius by cos(2 pi / n); the centre stays by symmetry.
+    n = 12
+    t = 2 * np.pi * np.arange(n) / n
+    V = np.vstack([np.column_stack([np.cos(t), np.sin(t), 0 * t]), np.zeros(3)])
+    F = np.array([[k, (k + 1) % n, n] for k in range(n)])
+    A = operators.boundary_as_curve(operators.averaging(weights.combinatorial(F, n + 1)), F)
+    X = flow.average(V, A, 3)
+    np.testing.assert_allclose(np.linalg.norm(X[:n], axis=1), np.cos(2 * np.pi / n) ** 3)
+    np.testing.assert_allclose(X[n], 0, atol=1e-15)
+
+
+def test_smoothing_the_boundary_alone_leaves_the_surface():
+    V, F = grid(4)
+    curve = operators.boundary_as_curve(eye_array(len(V)), F)
+    moved = np.flatnonzero(np.any(curve @ V != V, axis=1))
+    assert moved.tolist() == [0, 4, 20, 24]  # the corners; all else is straight
+
+
+@pytest.mark.parametrize("A", [np.eye(3), np.ones((3, 4)), np.ones(3)])
+def test_a_boundary_curve_of_the_wrong_size_is_refused(A):
+    with pytest.raises(MeshError):
+        operators.boundary_as_curve(A, grid(2)[1])
+
+
+# Not symmetric, and its second row sums to 0 with entries that are not.
+SKEW = csr_array([[0.0, 1, 3], [2, 0, -2], [1, 1, 0]])
+
+
+def test_rows_not_columns_are_summed():
+    np.testing.assert_array_equal(operators.degrees(SKEW), [4, 0, 2])
+    np.testing.assert_array_equal(
+        operators.averaging(SKEW).toarray(), [[0, 0.25, 0.75], [0, 1, 0], [0.5, 0.5, 0]]
+    )
+    np.testing.assert_array_equal(
+        operators.laplacian(SKEW).toarray(), [[4, -1, -3], [-2, 0, 2], [-1, -1, 2]]
+    )
+
+
+def test_diffusion_by_hand():
+    W = csr_array([[0.0, 1, 3], [1, 0, 0], [3, 0, 0]])
+    M = csr_array(np.diag([2.0, 4, 0]))  # the last vertex has no mass, and stays
+    expected = [[1 - 4 / 2, 1 / 2, 3 / 2], [1 / 4, 1 - 1 / 4, 0], [0, 0, 1]]
+    np.testing.assert_allclose(operators.diffusion(W, M).toarray(), expected, atol=1e-15)
+
+
+NOT_FINITE = csr_array([[0, np.nan, 0], [1, 0, 0], [0, 0, 0]])
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        operators.degrees,
+        lambda A: operators.diffusion(SKEW, A),
+        lambda A: operators.diffusion(A, SKEW),
+        lambda A: operators.boundary_as_curve(A, [[0, 1, 2]]),
+    ],
+)
+def test_matrices_that_are_not_finite_are_refused(call):
+    with pytest.raises(MeshError, match="NaN or infinite"):
+        call(NOT_FINITE)
+    with pytest.raises(MeshError, match="give a square sparse matrix"):
+        call(csr_array((2, 3)))

@@ -6,13 +6,21 @@ import pytest
 from meshes import grid
 from meshfair import MeshError, mesh, noise, operators, shapes, weights
 from meshfair.mesh import Edges
-from meshfair.sure import SURE
+from meshfair.sure import SURE, true_risk
 
 
-def true_risk(V, clean, F):
-    heights = np.sum((V - clean) * mesh.vertex_normals(V, F), axis=1)
-    i, j = Edges(F).ends.T
-    return np.mean((heights[i] - heights[j]) ** 2)
+def test_the_true_risk_by_hand():
+    # A flat quadrangle, vertex 0 lifted: two triangles, five edges, of which three end there.
+    # It is seen along the normals of the lifted mesh, the mean of (0, 0, 1) and the normals
+    # of both faces by area; so lift it by so little that these are (0, 0, 1) to rounding.
+    V, F = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), [[0, 1, 2], [0, 2, 3]]
+    lifted = V + np.array([[0, 0, 1e-6], [0, 0, 0], [0, 0, 0], [0, 0, 0]])
+    assert true_risk(lifted, V, F) == pytest.approx(3 / 5 * 1e-12, rel=1e-9)
+    # What all vertices have in common, or what moves them along the plane, turns no normal.
+    assert true_risk(V + [0, 0, 5.0], V, F) == pytest.approx(0, abs=1e-25)
+    assert true_risk(V * 2, V, F) == pytest.approx(0, abs=1e-25)
+    with pytest.raises(MeshError, match="V_true"):
+        true_risk(V, V[:3], F)
 
 
 def test_a_linear_filter_on_a_plane_by_hand():

@@ -70,7 +70,7 @@ def test_a_line_cut_short_costs_that_row_alone(table, tmp_path):
 
 def test_another_mesh_under_the_same_name_is_run_anew(tmp_path):
     from meshfair import io, shapes
-    from meshfair.experiments.cases import load_mesh
+    from meshfair.experiments import load_mesh
 
     mesh, journal = tmp_path / "mesh.ply", tmp_path / "rows.jsonl"
     grid = {**GRID, "mesh": str(mesh), "seed": 0}
@@ -90,7 +90,7 @@ def test_a_failed_cell_is_a_row_and_the_others_go_on(tmp_path):
     assert len(table) == 16
     assert len(failed) == 12
     known = failed[failed["mesh"] == "knot"]["error"]
-    assert known.str.contains("no weights are called 'no such'").all()
+    assert known.str.contains("weights is 'no such'; give one of").all()
     assert failed[failed["mesh"] == "nor this"]["error"].str.contains("no mesh is called").all()
     again = sweep(grid, path=path, progress=False)
     pd.testing.assert_frame_equal(again, table)

@@ -6,7 +6,18 @@ from hypothesis import strategies as st
 from scipy.sparse import csr_array
 
 from meshes import CLOSED, RIGHT_TRIANGLE, fan, grid, rigid_motions, soups
-from meshfair import MeshWarning, mesh, reference, shapes, weights
+from meshfair import (
+    MeshError,
+    MeshWarning,
+    StabilityWarning,
+    flow,
+    mesh,
+    noise,
+    reference,
+    shapes,
+    weights,
+)
+from meshfair.operators import averaging
 
 BUILDERS = {
     "combinatorial": lambda V, F: weights.combinatorial(F, len(V)),
@@ -138,3 +149,36 @@ def test_inputs_are_left_alone():
     V.flags.writeable = F.flags.writeable = False
     for build in BUILDERS.values():
         build(V, F)
+
+
+@given(soups())
+def test_clamped_weights_are_those_that_are_not_negative(soup):
+    V, F = soup
+    W, clamped = weights.cotangent(V, F), weights.cotangent(V, F, negative="clamp")
+    np.testing.assert_array_equal(clamped.toarray(), np.maximum(W.toarray(), 0))
+
+
+def test_unknown_treatment_of_negative_weights():
+    with pytest.raises(ValueError, match="negative is 'drop'; give one of keep, clamp"):
+        weights.cotangent(*shapes.icosphere(0), negative="drop")
+
+
+def test_clamped_weights_need_no_warning_of_the_step(rng):
+    V, F = shapes.icosphere(2)
+    V = noise.gaussian(V, F, 0.6, rng)
+    with pytest.warns(StabilityWarning):
+        flow.heat(V, averaging(weights.cotangent(V, F)), 1, 1)
+    flow.heat(V, averaging(weights.cotangent(V, F, negative="clamp")), 1, 1)
+
+
+def test_the_edges_of_another_mesh_are_refused():
+    V, F = shapes.icosphere(1)
+    with pytest.raises(MeshError, match="those of 43 vertices, but V has 42"):
+        weights.distance(V, mesh.Edges(F, len(V) + 1))
+
+
+def test_weights_by_name_are_the_builders():
+    V, F = shapes.icosphere(1)
+    assert list(weights.BY_NAME) == list(BUILDERS)
+    for name, build in BUILDERS.items():
+        assert abs(weights.BY_NAME[name](V, F) - build(V, F)).max() == 0

@@ -33,12 +33,12 @@ SOURCES = {
     "knot-open3d": Source(
         "KnotMesh.ply", _OPEN3D, "examples/test_data/knot.ply",
         "bda544c52e075b34effc1d0c5140a47df0d8de3fc6a9ed23418544dc2ddadd06",
-        "the knot of the seed's experiments",
+        "the knot of the original report",
     ),
     "f16": Source(
         "f16.ply", _PIXAR, "data/f16.ply",
         "ff637f2add56e7214e8d40e41f36657ca00156ddfc810dfa11a718a9b3450699",
-        "the F-16 with missiles of the seed's experiments, from J. Burkardt's collection",
+        "the F-16 with missiles of the original report, from J. Burkardt's collection",
     ),
     "bunny": Source(
         "stanford-bunny.obj", _MODELS, "data/stanford-bunny.obj",
@@ -48,7 +48,7 @@ SOURCES = {
     "fandisk-clean": Source(
         "GuidedDenoising-Fandisk0.3-Original.obj", _GUIDED, "models/Fandisk0.3/Original.obj",
         "d05a56a399db3f8efdff97e95e9db18f055b26d86ef2922dc3f5b64d3e40a0ed",
-        "Fandisk, clean",
+        "Fandisk, noise-free",
     ),
     "fandisk-noisy": Source(
         "GuidedDenoising-Fandisk0.3-Noisy.obj", _GUIDED, "models/Fandisk0.3/Noisy.obj",
@@ -58,7 +58,7 @@ SOURCES = {
     "bunny-clean": Source(
         "GuidedDenoising-Bunny0.2-Original.obj", _GUIDED, "models/Bunny0.2/Original.obj",
         "67faef9c36fee1e0061c645be4f6a3c6e180dadcef9257ee90a73051ff377cd0",
-        "Bunny, clean",
+        "Bunny, noise-free",
     ),
     "bunny-noisy": Source(
         "GuidedDenoising-Bunny0.2-Noisy.obj", _GUIDED, "models/Bunny0.2/Noisy.obj",
@@ -69,10 +69,10 @@ SOURCES = {
 
 
 class DownloadError(OSError):
-    """A real mesh that could not be had; the message says why and what to do."""
+    """A real mesh that could not be fetched; the message says why and what to do."""
 
 
-def folder():
+def folder() -> Path:
     """The folder the real meshes are kept in.
 
     Returns
@@ -86,7 +86,7 @@ def folder():
     return Path(os.environ.get(FOLDER_VARIABLE) or pooch.os_cache("meshfair"))
 
 
-def find(name):
+def find(name: str) -> Path | None:
     """The file of a real mesh, where it has been downloaded and is whole.
 
     Parameters
@@ -112,7 +112,7 @@ def find(name):
     return path if whole else None
 
 
-def fetch(name):
+def fetch(name: str) -> Path:
     """The file of a real mesh, downloaded where it is not there yet.
 
     With the environment variable MESHFAIR_MIRROR the files are copied from
@@ -136,7 +136,6 @@ def fetch(name):
         No such name.
     """
     import pooch
-    from requests.exceptions import RequestException
 
     source = _source(name)
     address = f"https://raw.githubusercontent.com/{source.repository}/{source.path}"
@@ -155,7 +154,7 @@ def fetch(name):
             f"{source.file}: what {origin} holds is not the file expected (sha256 should be "
             f"{source.sha256}); nothing was kept, try again or report it"
         ) from error
-    except (OSError, RequestException) as error:
+    except OSError as error:  # that of the download too, by requests
         reason = getattr(error, "strerror", None) or type(error).__name__
         raise DownloadError(
             f"{source.file}: cannot be had from {origin} ({reason}); check the network or the "
@@ -163,12 +162,12 @@ def fetch(name):
         ) from error
 
 
-def _source(name):
+def _source(name: str) -> Source:
     if name not in SOURCES:
         raise ValueError(f"no real mesh is called {name!r}; there are {', '.join(SOURCES)}")
     return SOURCES[name]
 
 
-def _copy(origin, target, _):
+def _copy(origin: str, target: str, _: object) -> None:
     """Pooch's downloader for a mirror folder; pooch itself knows no file addresses."""
     shutil.copyfile(origin, target)

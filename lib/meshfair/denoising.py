@@ -1,32 +1,43 @@
 """One front for all filters: `denoise` by name, with chosen, default or automatic parameters."""
 
+from __future__ import annotations
+
 import inspect
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import product
 from time import perf_counter
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from meshfair import filters
-from meshfair.checks import check_choice, check_mesh, check_same_vertices
+from meshfair.checks import Floats, Integers, check_choice, check_mesh, check_same_vertices
 from meshfair.filters.feature_convinced import fill_in, noise_by_lengths
 from meshfair.metrics import normal_angle, snr
 from meshfair.sure import SURE, noise_by_differences
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Parameters = dict[str, Any]
+States = Iterator[tuple[float, Floats]]
 
 
 class Denoised(NamedTuple):
     """A denoised mesh, and how it came about."""
 
-    V: np.ndarray
+    V: Floats
     """Positions, shape (n, 3)."""
     method: str
     """The method's name."""
-    parameters: dict
+    parameters: Parameters
     """All parameters that were used; with them `denoise` gives the same V again."""
-    history: object
+    history: pd.DataFrame | None
     """Against the ground truth, a pandas table of iteration, normal_angle (degrees) and snr
     (decibels), from the noisy mesh at iteration 0 on; None without a ground truth."""
-    sure: float
+    sure: float | None
     """With automatic parameters, the estimated risk (`meshfair.sure.SURE`), in squared units
     of V; None if there is none. It compares methods on a mesh too: the smaller the better."""
     seconds: float
@@ -35,31 +46,34 @@ class Denoised(NamedTuple):
     """False where the callback has cancelled it: V is what was reached until then."""
 
 
-class Method(NamedTuple):
+@dataclass(frozen=True)
+class Method:
     """A filter, and what automatic parameters need to know of it."""
 
-    function: object
+    function: Callable[..., States]
     """Called as ``function(V, F, **parameters)``, yields progress and positions."""
-    candidates: list
+    candidates: list[Parameters]
     """Parameters, as dicts, among which to choose."""
-    stopped: object = None
-    """``stopped(parameters, k)``: the parameters with which it ends at the k-th new
-    positions; None where only the last ones are a result."""
-    fill_in: object = None
+    count: str | Callable[[Parameters, int], Parameters] | None = None
+    """The parameter that says how often it yields new positions, so that it can end
+    earlier; or a function from its parameters and k to those with which it ends at the k-th
+    new positions; None where only the last ones are a result."""
+    fill_in: Callable[[Floats, Integers, Parameters], Parameters] | None = None
     """``fill_in(V, F, parameters)``: the parameters with those that are None chosen from
     the mesh; None where there are none of that kind."""
 
+    def stopped(self, parameters: Parameters, k: int) -> Parameters:
+        """The parameters with which it ends where it now yields its k-th new positions."""
+        if callable(self.count):
+            return self.count(parameters, k)
+        return parameters | {self.count: k} if self.count else parameters
 
-def _at_most(name):
-    """For a method that yields positions once for each ``name``: it can end earlier."""
-    return lambda parameters, k: parameters | {name: k}
 
-
-def _heat_until(parameters, k):
+def _heat_until(parameters: Parameters, k: int) -> Parameters:
     return parameters | {"time": min(parameters["time"], k * parameters["tau"])}
 
 
-def _grid(**values):
+def _grid(**values: Sequence[Any]) -> list[Parameters]:
     """Candidates with all combinations of several parameters' values."""
     return [dict(zip(values, chosen, strict=True)) for chosen in product(*values.values())]
 
@@ -67,43 +81,46 @@ def _grid(**values):
 # Candidates are spread so widely that the best lies among them, on smooth and on sharp meshes.
 _STRENGTHS = (0.0, 0.0625, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 
-_METHODS = {
-    "averaging": Method(filters.averaging, [{"iterations": 30}], _at_most("iterations")),
+_METHODS: dict[str, Method] = {
+    "averaging": Method(filters.averaging, [{"iterations": 30}], "iterations"),
     "heat": Method(filters.heat, [{"time": 20.0}], _heat_until),
     "implicit": Method(filters.implicit, _grid(step=_STRENGTHS)),
     "regularised": Method(filters.regularised, _grid(order=(1, 2), lam=_STRENGTHS)),
-    "taubin": Method(filters.taubin, [{"iterations": 60}], _at_most("iterations")),
-    "bilateral": Method(filters.bilateral, [{"iterations": 20}], _at_most("iterations")),
+    "taubin": Method(filters.taubin, [{"iterations": 60}], "iterations"),
+    "bilateral": Method(filters.bilateral, [{"iterations": 20}], "iterations"),
     "sun": Method(
         filters.sun,
         _grid(normal_iterations=(5, 20), threshold=(0.3, 0.6)),
-        _at_most("vertex_iterations"),
+        "vertex_iterations",
     ),
     "bilateral-normal": Method(
         filters.bilateral_normal,
         _grid(normal_iterations=(2, 5, 20), sigma_normal=(0.35, 0.5)),
-        _at_most("vertex_iterations"),
+        "vertex_iterations",
     ),
-    "guided-normal": Method(
-        filters.guided_normal, _grid(sigma_normal=(0.35, 0.5)), _at_most("iterations")
-    ),
+    "guided-normal": Method(filters.guided_normal, _grid(sigma_normal=(0.35, 0.5)), "iterations"),
     "l0": Method(filters.l0, _grid(lam=(0.05, 0.2))),
     "feature-convinced": Method(
         filters.feature_convinced,
         _grid(vertex_iterations=(1, 2), sigma_normal=(0.25, 0.35, 0.5)),
-        _at_most("iterations"),
+        "iterations",
         fill_in,
     ),
 }
 
 
-def register(name, *, candidates=({},), stopped=None, fill_in=None):
+def register(
+    name: str,
+    *,
+    candidates: Iterable[Parameters] = ({},),
+    count: str | Callable[[Parameters, int], Parameters] | None = None,
+    fill_in: Callable[[Floats, Integers, Parameters], Parameters] | None = None,
+) -> Callable[[Callable[..., States]], Callable[..., States]]:
     """Make a filter known to `denoise` by a name; a decorator.
 
     For example::
 
-        @denoising.register("halfway", candidates=[{"iterations": 10}],
-                            stopped=lambda parameters, k: parameters | {"iterations": k})
+        @denoising.register("halfway", candidates=[{"iterations": 10}], count="iterations")
         def halfway(V, F, *, iterations=3):
             A = averaging(weights.combinatorial(F, len(V)))
             for k in range(iterations):
@@ -116,10 +133,11 @@ def register(name, *, candidates=({},), stopped=None, fill_in=None):
         A name in use is taken over.
     candidates : sequence of dict
         Parameters among which ``parameters="auto"`` chooses.
-    stopped : function, optional
-        From parameters (a dict) and a number k to the parameters with which
-        the filter ends where it now yields new positions for the k-th time. With it,
-        "auto" also chooses when to stop.
+    count : str or function, optional
+        The parameter that says how often the filter yields new positions; or a
+        function from its parameters (a dict) and a number k to those with which it ends
+        where it now yields new positions for the k-th time. With it, "auto" also
+        chooses when to stop.
     fill_in : function, optional
         From V, F and parameters (a dict) to the parameters with those that are None
         chosen from the mesh, so that a result can name what was used.
@@ -131,19 +149,24 @@ def register(name, *, candidates=({},), stopped=None, fill_in=None):
         parameters that all have defaults, and yields progress (0 to 1) and positions.
     """
 
-    def add(function):
-        _METHODS[name] = Method(function, list(candidates), stopped, fill_in)
+    def add(function: Callable[..., States]) -> Callable[..., States]:
+        _METHODS[name] = Method(function, list(candidates), count, fill_in)
         return function
 
     return add
 
 
-def methods():
-    """The names of all methods, in the order in which they were registered."""
+def methods() -> list[str]:
+    """The names of all methods, in the order in which they were registered.
+
+    Returns
+    -------
+    list of str
+    """
     return list(_METHODS)
 
 
-def defaults(method):
+def defaults(method: str) -> Parameters:
     """The parameters of a method and their default values.
 
     Parameters
@@ -164,17 +187,17 @@ def defaults(method):
 
 
 def denoise(
-    V,
-    F,
-    method="feature-convinced",
+    V: ArrayLike,
+    F: ArrayLike,
+    method: str = "feature-convinced",
     *,
-    parameters="default",
-    sigma=None,
-    rng=None,
-    ground_truth=None,
-    callback=None,
-    **chosen,
-):
+    parameters: str = "default",
+    sigma: float | None = None,
+    rng: np.random.Generator | None = None,
+    ground_truth: ArrayLike | None = None,
+    callback: Callable[[float], Any] | None = None,
+    **chosen: Any,
+) -> Denoised:
     """Denoise a mesh.
 
     Parameters
@@ -227,14 +250,26 @@ def denoise(
     return run.ended(run.better_states((V, sure.V_perturbed), sure))
 
 
-def tune(V, F, method, ground_truth, *, callback=None, **chosen):
+def tune(
+    V: ArrayLike,
+    F: ArrayLike,
+    method: str,
+    ground_truth: ArrayLike,
+    *,
+    callback: Callable[[float], Any] | None = None,
+    **chosen: Any,
+) -> Denoised:
     """Denoise with the parameters that come closest to the ground truth, which has to be known.
 
     Among the candidates of "auto", and the iterations to stop at, this takes
     those with the smallest mean normal angle: what a method can do at best,
     and a way to find parameters for meshes like this one.
 
-    Parameters, errors and result are those of `denoise`; ``ground_truth`` decides.
+    Parameters and errors are those of `denoise`; ``ground_truth`` decides.
+
+    Returns
+    -------
+    Denoised
     """
     V, F = check_mesh(V, F)
     V, ground_truth = check_same_vertices(V, ground_truth, ("V", "ground_truth"))
@@ -243,7 +278,7 @@ def tune(V, F, method, ground_truth, *, callback=None, **chosen):
     return result._replace(sure=None)
 
 
-def estimate_noise(V, F, by="lengths"):
+def estimate_noise(V: ArrayLike, F: ArrayLike, by: str = "lengths") -> float:
     """The size of the noise on a mesh, estimated without the ground truth.
 
     By "lengths" of the edges, which noise makes longer, see
@@ -260,7 +295,7 @@ def estimate_noise(V, F, by="lengths"):
     -------
     float
         As a fraction of the mean edge length, as in `along_normals`; but of the
-        noisy mesh's, since the clean one's is unknown. From about 0.4 on
+        noisy mesh's, since the true one's is unknown. From about 0.4 on
         too small: normals are lost. On clean meshes with much detail
         too large, since detail looks like noise.
 
@@ -273,7 +308,10 @@ def estimate_noise(V, F, by="lengths"):
     return _ESTIMATES[check_choice(by, "by", _ESTIMATES)](V, F)
 
 
-_ESTIMATES = {"lengths": noise_by_lengths, "differences": noise_by_differences}
+_ESTIMATES: dict[str, Callable[[ArrayLike, ArrayLike], float]] = {
+    "lengths": noise_by_lengths,
+    "differences": noise_by_differences,
+}
 
 
 class _CancelledError(Exception):
@@ -283,16 +321,24 @@ class _CancelledError(Exception):
 class _State(NamedTuple):
     """Positions on the way, and how they came about."""
 
-    V: np.ndarray
-    parameters: dict
-    history: tuple
+    V: Floats
+    parameters: Parameters
+    history: tuple[tuple[float, float], ...]
     score: float | None = None
 
 
 class _Run:
     """A method on one mesh, with given or with several parameters."""
 
-    def __init__(self, V, F, method, chosen, ground_truth, callback):
+    def __init__(
+        self,
+        V: Floats,
+        F: Integers,
+        method: str,
+        chosen: Parameters,
+        ground_truth: Floats | None,
+        callback: Callable[[float], Any] | None,
+    ) -> None:
         self.start = perf_counter()
         self.V, self.F, self.name, self.method = V, F, method, _find(method)
         self.ground_truth, self.callback = ground_truth, callback
@@ -303,17 +349,19 @@ class _Run:
                     f"{method} has no parameter {name!r}; it has {', '.join(self.known)}"
                 )
 
-    def filled_in(self, parameters):
+    def filled_in(self, parameters: Parameters) -> Parameters:
         """The parameters with those that are None chosen from the mesh."""
         fill_in = self.method.fill_in
         return fill_in(self.V, self.F, parameters) if fill_in else parameters
 
-    def report(self, progress):
+    def report(self, progress: float) -> None:
         """Tell the callback; it may cancel."""
         if self.callback is not None and self.callback(progress) is False:
             raise _CancelledError
 
-    def states(self, V, parameters, report):
+    def states(
+        self, V: Floats, parameters: Parameters, report: Callable[[float], None] | None
+    ) -> Iterator[_State]:
         """Yield the state before the filter, and one for each new positions that it yields.
 
         Without a function ``report`` they are not compared with the ground truth.
@@ -329,41 +377,45 @@ class _Run:
             if report:
                 report(progress)
 
-    def better_states(self, meshes, score):
+    def better_states(
+        self, meshes: tuple[Floats, ...], score: Callable[..., float]
+    ) -> Iterator[_State]:
         """Yield states of all trials, each with a smaller score than those before.
 
         The filter runs on all ``meshes``, the first of them the noisy one; ``score`` is
         a function of what it makes of each.
         """
-        trials = []
+        trials: list[Parameters] = []
         for candidate in self.method.candidates:
             parameters = self.filled_in(self.known | candidate | self.chosen)
             if not any(_same(parameters, trial) for trial in trials):
                 trials.append(parameters)
-        best = _State(self.V.copy(), trials[0], self._measured(self.V), np.inf)
-        yield best
+        least = np.inf
+        yield _State(self.V.copy(), trials[0], self._measured(self.V), least)
         for number, parameters in enumerate(trials):
 
-            def report(progress, number=number):
+            def report(progress: float, number: int = number) -> None:
                 self.report((number + progress) / len(trials))
 
             reports = [report, *[None] * (len(meshes) - 1)]
             runs = [self._results(V, parameters, r) for V, r in zip(meshes, reports, strict=True)]
             for states in zip(*runs, strict=True):
                 found = score(*(state.V for state in states))
-                if found < best.score:
-                    best = states[0]._replace(score=found)
-                    yield best
+                if found < least:
+                    least = found
+                    yield states[0]._replace(score=found)
 
-    def _results(self, V, parameters, report):
+    def _results(
+        self, V: Floats, parameters: Parameters, report: Callable[[float], None] | None
+    ) -> Iterator[_State]:
         """Those of a trial's states that some parameters end with, with these parameters."""
         for k, state in enumerate(self.states(V, parameters, report)):
-            if self.method.stopped:
+            if self.method.count:
                 yield state._replace(parameters=self.method.stopped(parameters, k))
-        if not self.method.stopped:
+        if not self.method.count:
             yield state
 
-    def ended(self, states):
+    def ended(self, states: Iterator[_State]) -> Denoised:
         """The last of these states as a result; its score is the risk."""
         finished = True
         try:
@@ -376,25 +428,25 @@ class _Run:
         seconds = perf_counter() - self.start
         return Denoised(last.V, self.name, last.parameters, history, sure, seconds, finished)
 
-    def _measured(self, V):
+    def _measured(self, V: Floats) -> tuple[tuple[float, float], ...]:
         """A row of the history, if there is a ground truth."""
         if self.ground_truth is None:
             return ()
         return ((normal_angle(V, self.ground_truth, self.F), snr(self.ground_truth, V)),)
 
 
-def _find(method):
+def _find(method: str) -> Method:
     if method not in _METHODS:
         raise ValueError(f"no method is called {method!r}; there are {', '.join(_METHODS)}")
     return _METHODS[method]
 
 
-def _same(first, second):
+def _same(first: Parameters, second: Parameters) -> bool:
     """Whether parameters agree; ``fixed`` may be an array."""
     return all(np.array_equal(first[name], second[name]) for name in first)
 
 
-def _table(history):
+def _table(history: tuple[tuple[float, float], ...]) -> pd.DataFrame:
     import pandas as pd  # a third of a second to load, for this table alone
 
     table = pd.DataFrame(history, columns=["normal_angle", "snr"])

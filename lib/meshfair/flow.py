@@ -1,7 +1,7 @@
 """Iterated averaging, the heat equation by forward Euler, and when to stop."""
 
 from collections.abc import Callable, Iterator
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,6 +24,8 @@ from meshfair.metrics import snr, snr_of_distances
 from meshfair.stability import warn_if_unstable
 
 Builder = Callable[[Floats], sparray]
+Operator: TypeAlias = sparray | Builder
+Fixed: TypeAlias = ArrayLike | None
 
 
 class BestStopping(NamedTuple):
@@ -74,12 +76,7 @@ def average(V: ArrayLike, A: sparray, iterations: int, *, fixed: ArrayLike | Non
 
 
 def heat(
-    V: ArrayLike,
-    A: sparray | Builder,
-    tau: float,
-    time: float,
-    *,
-    fixed: ArrayLike | None = None,
+    V: ArrayLike, A: Operator, tau: float, time: float, *, fixed: Fixed = None
 ) -> Iterator[tuple[float, Floats]]:
     """The heat equation by forward Euler, as an iterator (the original report, section 2.2).
 
@@ -137,27 +134,22 @@ def _states(
         if _fast.wanted(len(V)):
             V = _fast.flow.step(V, A, tau, fixed)
         else:
-            V, V_before = (1 - tau) * V + tau * (A @ V), V
-            V[fixed] = V_before[fixed]
+            V_next = (1 - tau) * V + tau * (A @ V)
+            V_next[fixed] = V[fixed]
+            V = V_next
         _stop_if_outgrown(np.abs(V).max(), step, tau)
-        yield _time(step, tau), V
+        yield round(step * tau, 12), V  # 0.6, not 0.6000000000000001
 
 
 def snr_curve(
-    V_noisy: ArrayLike,
-    V_true: ArrayLike,
-    A: sparray | Builder,
-    tau: float,
-    time: float,
-    *,
-    fixed: ArrayLike | None = None,
+    V: ArrayLike, V_true: ArrayLike, A: Operator, tau: float, time: float, *, fixed: Fixed = None
 ) -> Floats:
     """SNR along the heat flow (the original report, Figures 3 and 6).
 
     Parameters
     ----------
-    V_noisy : array_like, shape (n, 3)
-        Where the flow starts.
+    V : array_like, shape (n, 3)
+        Noisy positions, where the flow starts.
     V_true : array_like, shape (n, 3)
         The ground truth that it is compared with.
     A, tau, time, fixed
@@ -173,26 +165,21 @@ def snr_curve(
     MeshError, ValueError
         As `heat` and `meshfair.metrics.snr`.
     """
-    V_true, V = check_same_vertices(V_true, V_noisy, ("V_true", "V_noisy"))
+    V_true, V = check_same_vertices(V_true, V, ("V_true", "V"))
     V, build, A, tau, steps, fixed = _checked(V, A, tau, time, fixed)
     warn_if_unstable(A, tau, stacklevel=3)
     if build or not _fast.wanted(len(V)):
         return np.array([(t, snr(V_true, X)) for t, X in _states(V, build, A, tau, steps, fixed)])
-    curve = []
-    for step, distances in enumerate(_fast.flow.distances(V, V_true, A, tau, steps, fixed)):
-        _stop_if_outgrown(distances, step, tau)
-        curve.append((_time(step, tau), snr_of_distances(V_true, distances)))
-    return np.array(curve)
+    distances = np.empty(steps + 1)
+    for step, distance in enumerate(_fast.flow.distances(V, V_true, A, tau, steps, fixed)):
+        _stop_if_outgrown(distance, step, tau)
+        distances[step] = distance
+    times = np.round(np.arange(steps + 1) * tau, 12)
+    return np.column_stack([times, snr_of_distances(V_true, distances)])
 
 
 def best_stopping(
-    V_noisy: ArrayLike,
-    V_true: ArrayLike,
-    A: sparray | Builder,
-    tau: float,
-    time: float,
-    *,
-    fixed: ArrayLike | None = None,
+    V: ArrayLike, V_true: ArrayLike, A: Operator, tau: float, time: float, *, fixed: Fixed = None
 ) -> BestStopping:
     """The stopping time at which the heat flow's SNR is highest (the original report, Table 1).
 
@@ -203,7 +190,7 @@ def best_stopping(
     BestStopping
         time, snr in decibels, gain in percent of the noisy mesh's SNR.
     """
-    curve = snr_curve(V_noisy, V_true, A, tau, time, fixed=fixed)
+    curve = snr_curve(V, V_true, A, tau, time, fixed=fixed)
     start = curve[0, 1]
     best_time, best = curve[curve[:, 1].argmax()]
     gain = 100 * (best - start) / abs(start) if best > start else 0.0
@@ -211,7 +198,7 @@ def best_stopping(
 
 
 def _checked(
-    V: ArrayLike, A: sparray | Builder, tau: float, time: float, fixed: ArrayLike | None
+    V: ArrayLike, A: Operator, tau: float, time: float, fixed: Fixed
 ) -> tuple[Floats, Builder | None, csr_array, float, int, Booleans]:
     """Positions, builder of operators if there is one, operator, tau, number of steps, fixed."""
     V = check_vertices(V)
@@ -225,13 +212,9 @@ def _checked(
     return V, build, A, tau, steps, check_fixed(fixed, len(V))
 
 
-def _time(step: int, tau: float) -> float:
-    return round(step * tau, 12)  # 0.6, not 0.6000000000000001
-
-
 def _stop_if_outgrown(size: float, step: int, tau: float) -> None:
     if not size <= LARGEST_COORDINATE:  # so that NaN is caught
         raise MeshError(
-            f"the flow has outgrown all numbers at time {_time(step, tau):g}; take a smaller "
+            f"the flow has outgrown all numbers at time {round(step * tau, 12):g}; take a smaller "
             f"step than tau = {tau:g}, or stop earlier"
         )

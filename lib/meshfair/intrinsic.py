@@ -33,7 +33,7 @@ from scipy.sparse import coo_array, csr_array
 from meshfair import _fast
 from meshfair.checks import Floats, Integers, MeshError, MeshWarning, check_mesh, check_number
 from meshfair.mesh import Edges, unique_faces
-from meshfair.mesh.topology import collapsed_faces
+from meshfair.mesh.topology import topologically_degenerate
 
 # Angle sums are compared through their sine, which rounding moves by about 1e-15.
 ROUNDING = 1e-13
@@ -124,7 +124,7 @@ def delaunay(V: ArrayLike, F: ArrayLike, *, mollify: float = 1e-6) -> Triangulat
     V, F = check_mesh(V, F)
     mollify = check_number(mollify, "mollify", 0, 1)
     T = unique_faces(F)
-    T = T[~collapsed_faces(T)]
+    T = T[~topologically_degenerate(T)]
     if not len(T):
         raise MeshError("every face names a vertex twice, so there is no triangle at all")
     tail, twin = _cover(T)

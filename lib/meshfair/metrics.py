@@ -1,8 +1,18 @@
 """How far a mesh is from the ground truth: SNR, normals, surface, volume, area."""
 
-import numpy as np
+from collections.abc import Callable
 
-from meshfair.checks import MeshError, check_mesh, check_same_vertices, check_vertices
+import numpy as np
+from numpy.typing import ArrayLike
+
+from meshfair.checks import (
+    Floats,
+    Integers,
+    MeshError,
+    check_mesh,
+    check_same_vertices,
+    check_vertices,
+)
 from meshfair.mesh import area, face_normals, mean_edge_length, volume
 
 __all__ = [
@@ -17,7 +27,7 @@ __all__ = [
 ]
 
 
-def snr(V, V_noisy):
+def snr(V: ArrayLike, V_noisy: ArrayLike) -> float:
     """Signal-to-noise ratio of a noisy mesh, in decibels (the original report, Def. 1).
 
     SNR = -20 log10( sum_i |v_i - v~_i| / sum_i |v_i| ). The denominator
@@ -43,22 +53,22 @@ def snr(V, V_noisy):
         its vertices at the origin.
     """
     V, V_noisy = check_same_vertices(V, V_noisy, ("V", "V_noisy"))
-    return snr_of_distances(V, np.linalg.norm(V - V_noisy, axis=1).sum())
+    return float(snr_of_distances(V, np.linalg.norm(V - V_noisy, axis=1).sum()))
 
 
-def snr_of_distances(V, distances):
-    """SNR = -20 log10(distances / sum_i |v_i|), where the distances' sum is known already.
+def snr_of_distances(V: Floats, distances: ArrayLike) -> Floats:
+    """SNR = -20 log10(distances / sum_i |v_i|), where the sums of the distances are known.
 
     Parameters
     ----------
     V : ndarray of float64, shape (n, 3)
         The ground truth.
-    distances : float
-        sum_i |v_i - v~_i|, in the units of ``V``.
+    distances : array_like
+        sum_i |v_i - v~_i|, of one mesh or of several, in the units of ``V``.
 
     Returns
     -------
-    float
+    ndarray of float64, of the shape of ``distances``
         Decibels; infinite where the distances are 0.
 
     Raises
@@ -69,10 +79,11 @@ def snr_of_distances(V, distances):
     signal = np.linalg.norm(V, axis=1).sum()
     if signal == 0:
         raise MeshError("V has all its vertices at the origin, so it has no SNR; move it")
-    return float(-20 * np.log10(distances / signal)) if distances else np.inf
+    with np.errstate(divide="ignore"):  # no distance at all is an infinite SNR
+        return -20 * np.log10(np.asarray(distances) / signal)
 
 
-def normal_angle(V, V_true, F):
+def normal_angle(V: ArrayLike, V_true: ArrayLike, F: ArrayLike) -> float:
     """Mean angle between the face normals of two meshes, in degrees.
 
     The average angular deviation of the mesh-denoising literature: the mean
@@ -100,7 +111,7 @@ def normal_angle(V, V_true, F):
     return float(normal_angles(V, V_true, F).mean())
 
 
-def normal_angles(V, V_true, F):
+def normal_angles(V: ArrayLike, V_true: ArrayLike, F: ArrayLike) -> Floats:
     """The angles that `normal_angle` is the mean of, in degrees: one for each face.
 
     Returns
@@ -121,7 +132,7 @@ def normal_angles(V, V_true, F):
     return np.where(n.any(axis=1), angles, 90.0)
 
 
-def surface_distance(V, V_true, F_true):
+def surface_distance(V: ArrayLike, V_true: ArrayLike, F_true: ArrayLike) -> float:
     """Mean distance from the vertices to the true surface, over its mean edge length.
 
     Does not punish a vertex that slides along the surface, as the SNR does.
@@ -151,7 +162,7 @@ def surface_distance(V, V_true, F_true):
     return float(np.sqrt(np.maximum(squared, 0)).mean() / _unit(V_true, F_true))
 
 
-def hausdorff(V, F, V_true, F_true):
+def hausdorff(V: ArrayLike, F: ArrayLike, V_true: ArrayLike, F_true: ArrayLike) -> float:
     """Hausdorff distance between two surfaces, over the ground truth's mean edge length.
 
     The largest distance from a vertex of either mesh to the surface of the
@@ -182,20 +193,20 @@ def hausdorff(V, F, V_true, F_true):
     return distance / _unit(V_true, F_true)
 
 
-def _unit(V_true, F_true):
+def _unit(V_true: Floats, F_true: Integers) -> float:
     length = mean_edge_length(V_true, F_true)
     if length == 0:
         raise MeshError("V_true has all its vertices in one place, so no edge length as a unit")
     return length
 
 
-def _referenced(V, F):
+def _referenced(V: Floats, F: Integers) -> tuple[Floats, Integers]:
     """The mesh without the vertices that no face uses."""
     used, corners = np.unique(F, return_inverse=True)
     return V[used], corners.reshape(F.shape)
 
 
-def volume_change(V, V_true, F):
+def volume_change(V: ArrayLike, V_true: ArrayLike, F: ArrayLike) -> float:
     """Relative change of the enclosed volume: -0.02 where two percent are lost.
 
     Parameters
@@ -219,7 +230,7 @@ def volume_change(V, V_true, F):
     return _change(volume(V, F), volume(V_true, F), "V_true encloses no volume")
 
 
-def area_change(V, V_true, F):
+def area_change(V: ArrayLike, V_true: ArrayLike, F: ArrayLike) -> float:
     """Relative change of the surface's area: 0.3 where noise has added thirty percent.
 
     Parameters and errors are those of `volume_change`.
@@ -233,13 +244,15 @@ def area_change(V, V_true, F):
     return _change(area(V, F), area(V_true, F), "V_true has no area")
 
 
-def _change(value, true, nothing):
+def _change(value: float, true: float, nothing: str) -> float:
     if true == 0:
         raise MeshError(f"{nothing}, so there is nothing to compare with")
     return (value - true) / abs(true)
 
 
-def compare(V, F, V_true, F_true):
+def compare(
+    V: ArrayLike, F: ArrayLike, V_true: ArrayLike, F_true: ArrayLike
+) -> dict[str, float | None]:
     """Every metric that fits the two meshes.
 
     Parameters
@@ -279,7 +292,7 @@ def compare(V, F, V_true, F_true):
     return {name: _or_none(metric) for name, metric in metrics.items()}
 
 
-def _or_none(metric):
+def _or_none(metric: Callable[[], float | None]) -> float | None:
     try:
         return metric()
     except MeshError:  # the ground truth has nothing to compare with

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from meshfair.checks import (
     Floats,
     MeshError,
+    check_choice,
     check_mesh,
     check_number,
     check_rng,
@@ -168,3 +169,45 @@ MODELS: dict[str, Callable[[Floats, ArrayLike, float, np.random.Generator], Floa
     "uniform": lambda V, F, size, rng: uniform(V, size, rng),
 }
 """The noise models of one size by name, as functions of V, F, the size and the generator."""
+
+
+def add(
+    V: ArrayLike,
+    F: ArrayLike,
+    model: str,
+    rng: np.random.Generator,
+    *,
+    size: float | None = None,
+    decibels: float | None = None,
+) -> Floats:
+    """Add noise of a model by its name, of a given size or to a given SNR.
+
+    Parameters
+    ----------
+    V : array_like, shape (n, 3)
+    F : array_like of integers, shape (m, 3)
+    model : {"normals", "gaussian", "uniform"}
+        One of `MODELS`.
+    rng : numpy.random.Generator
+    size : float, optional
+        The model's own size: a fraction of the mean edge length, or for
+        "uniform" the amplitude in units of length.
+    decibels : float, optional
+        Instead of ``size``: scale the noise to this SNR, see `at_snr`.
+
+    Returns
+    -------
+    ndarray of float64, shape (n, 3)
+
+    Raises
+    ------
+    MeshError, ValueError, TypeError
+        As the model; an unknown model, or not exactly one of ``size`` and ``decibels``.
+    """
+    check_choice(model, "model", MODELS)
+    V, F = check_mesh(V, F)
+    if size is not None and decibels is None:
+        return MODELS[model](V, F, size, rng)
+    if decibels is not None and size is None:
+        return at_snr(V, MODELS[model](V, F, 1.0, rng) - V, decibels)
+    raise ValueError("give the noise either a size or its decibels")

@@ -146,11 +146,9 @@ def diffusion(W: sparray, M: sparray) -> csr_array:
 def boundary_as_curve(A: sparray, F: ArrayLike) -> csr_array:
     """An averaging operator that smooths the boundary as a curve of its own.
 
-    Without it the vertices of the boundary are drawn inwards, since all their
-    other neighbours lie on one side, and holes grow. Here the row of each
-    boundary vertex is replaced by the mean of its neighbours *along the
-    boundary*, so that the boundary flows like a closed curve in space and
-    does not feel the surface; the surface follows it.
+    Without it boundary vertices are drawn inwards, since their other neighbours
+    lie on one side, and holes grow. Here each one's row is replaced by the mean of
+    its neighbours *along the boundary*: it flows as a curve, the surface follows.
 
     Parameters
     ----------
@@ -162,9 +160,8 @@ def boundary_as_curve(A: sparray, F: ArrayLike) -> csr_array:
     Returns
     -------
     csr_array of float64, shape (n, n)
-        For `meshfair.flow.average` and `meshfair.flow.heat`; rows sum to 1 as
-        those of ``A`` do. It has no symmetric form, so an implicit step
-        smooths the boundary first and then holds it.
+        Rows sum to 1 as those of ``A`` do. It has no symmetric form, so an
+        implicit step smooths the boundary first and then fixes it.
 
     Raises
     ------

@@ -1,12 +1,21 @@
 """Curves with matplotlib."""
 
+from __future__ import annotations
+
+from collections.abc import Iterator
 from contextlib import contextmanager
+from os import PathLike
+from typing import TYPE_CHECKING, Any, Literal
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
 
 # One colour for each weights, told apart by colour-blind readers too (Okabe, Ito).
-WEIGHT_COLOURS = {"combinatorial": "#0072B2", "distance": "#D55E00", "cotangent": "#009E73"}
+WEIGHT_COLORS = {"combinatorial": "#0072B2", "distance": "#D55E00", "cotangent": "#009E73"}
 WEIGHT_MARKS = {"combinatorial": "o", "distance": "s", "cotangent": "^"}
 
-STYLE = {
+STYLE: dict[Any, Any] = {  # any of matplotlib's names, which differ between its versions
     "axes.grid": True,
     "axes.spines.right": False,
     "axes.spines.top": False,
@@ -28,7 +37,12 @@ STYLE = {
 
 
 @contextmanager
-def figure(path, size=(6.3, 2.6), columns=1, **subplots):
+def figure(
+    path: str | PathLike[str],
+    size: tuple[float, float] = (6.3, 2.6),
+    columns: int = 1,
+    **subplots: Any,
+) -> Iterator[Any]:
     """A figure in the report's style, saved when the block ends.
 
     Parameters
@@ -55,7 +69,14 @@ def figure(path, size=(6.3, 2.6), columns=1, **subplots):
         drawn.savefig(path, metadata={"Date": None})
 
 
-def draw_curves(axes, table, y, *, x="time", best=None):
+def draw_curves(
+    axes: Axes,
+    table: pd.DataFrame,
+    y: str,
+    *,
+    x: str = "time",
+    best: Literal["max", "min"] | None = None,
+) -> None:
     """Draw one curve for each weights.
 
     Parameters
@@ -69,7 +90,7 @@ def draw_curves(axes, table, y, *, x="time", best=None):
         Mark the best point of each curve.
     """
     for name, rows in table.groupby("weights", sort=False):
-        colour = WEIGHT_COLOURS[name]
+        colour = WEIGHT_COLORS[name]
         axes.plot(rows[x], rows[y], color=colour, label=name)
         if best:
             top = rows.loc[rows[y].idxmax() if best == "max" else rows[y].idxmin()]

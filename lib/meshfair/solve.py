@@ -149,7 +149,7 @@ def implicit_step(
         if np.shape(A) != (n, n):
             raise MeshError(f"{name} has shape {np.shape(A)}, but V has {n} vertices")
     m = csr_array(M).diagonal()
-    fixed = (m == 0) | check_fixed(fixed, n)
+    constrained = (m == 0) | check_fixed(fixed, n)
     centre = V.mean(axis=0)
     X = V - centre
     try:
@@ -157,14 +157,14 @@ def implicit_step(
             M + t * L,
             m[:, None] * X,
             guess=X,
-            fixed=fixed if fixed.any() else None,
+            fixed=constrained if constrained.any() else None,
             method=method,
             tolerance=tolerance,
         )
     except SolveError as error:
         raise SolveError(f"implicit step of t = {t:g}: {error}") from None
     X += centre
-    X[fixed] = V[fixed]  # to the last digit
+    X[constrained] = V[constrained]  # to the last digit
     return X
 
 
@@ -198,10 +198,16 @@ def _direct(A: csr_array, B: Floats) -> tuple[Floats, str]:
 
 def _iterative(A: csr_array, B: Floats, X: Floats, tolerance: float) -> tuple[Floats, str]:
     """Conjugate gradients: with a multigrid cycle on large meshes, else with the diagonal."""
+    diagonal = A.diagonal()
+    if not diagonal.min() > 0:
+        row = diagonal.argmin()
+        raise SolveError(
+            f"A is not positive definite: row {row} has {diagonal[row]:g} on the diagonal"
+        )
     if _fast.wanted(len(B)):
         X, steps = _fast.cg.solve(A, B, X, tolerance)
         return X, f"the iteration stopped after {steps} steps and"
-    inverse = diags_array(1 / A.diagonal())
+    inverse = diags_array(1 / diagonal)
     columns = [
         cg(A, b, x, rtol=tolerance / 2, maxiter=10 * len(B), M=inverse)[0]
         for b, x in zip(B.T, X.T, strict=True)

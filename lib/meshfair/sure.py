@@ -15,7 +15,14 @@ from numpy.typing import ArrayLike
 from scipy.sparse import eye_array
 
 from meshfair import weights
-from meshfair.checks import Floats, MeshError, check_mesh, check_number, check_rng
+from meshfair.checks import (
+    Floats,
+    MeshError,
+    check_mesh,
+    check_number,
+    check_rng,
+    check_same_vertices,
+)
 from meshfair.mesh import Edges, mean_edge_length, vertex_normals
 from meshfair.operators import averaging
 
@@ -61,6 +68,37 @@ def noise_by_differences(V: ArrayLike, F: ArrayLike) -> float:
         return 0.0
     heights = np.sum((K @ V) * vertex_normals(A @ V, F), axis=1)[inside] / size[inside]
     return float(np.median(np.abs(heights)) / 0.6745 / length)
+
+
+def true_risk(X: ArrayLike, V_true: ArrayLike, F: ArrayLike) -> float:
+    """What `SURE` estimates, where the ground truth is known.
+
+    The mean over the edges of ((h~_i - h_i) - (h~_j - h_j))^2, where h~ - h are the
+    heights of the errors along the filtered mesh's normals.
+
+    Parameters
+    ----------
+    X : array_like, shape (n, 3)
+        What a filter made of a noisy mesh.
+    V_true : array_like, shape (n, 3)
+        The ground truth.
+    F : array_like of integers, shape (m, 3)
+
+    Returns
+    -------
+    float
+        In squared units of X.
+
+    Raises
+    ------
+    MeshError
+        No mesh, or different numbers of vertices.
+    """
+    X, F = check_mesh(X, F)
+    X, V_true = check_same_vertices(X, V_true, ("X", "V_true"))
+    i, j = Edges(F, len(X)).ends.T
+    heights = np.sum((X - V_true) * vertex_normals(X, F), axis=1)
+    return float(np.mean((heights[i] - heights[j]) ** 2))
 
 
 class SURE:

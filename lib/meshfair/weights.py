@@ -15,7 +15,6 @@ References
    conjugates", Experimental Mathematics 2(1), 1993.
 """
 
-import warnings
 from collections.abc import Callable
 
 import numpy as np
@@ -23,11 +22,9 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
 from meshfair import _fast
-from meshfair.checks import Floats, MeshError, MeshWarning, check_choice, check_vertices
-from meshfair.mesh import Edges
-from meshfair.mesh.geometry import Triangles
-
-__all__ = ["BY_NAME", "combinatorial", "cotangent", "distance"]
+from meshfair.checks import Floats, check_choice, check_vertices
+from meshfair.mesh.edges import Edges, as_edges
+from meshfair.mesh.geometry import Triangles, warn_of_degenerate_faces
 
 
 def combinatorial(F: ArrayLike | Edges, n: int) -> csr_array:
@@ -48,7 +45,7 @@ def combinatorial(F: ArrayLike | Edges, n: int) -> csr_array:
     MeshError
         No triangles, or an index outside 0 .. n - 1.
     """
-    E = _edges(F, n)
+    E = as_edges(F, n)
     if _fast.wanted(n):
         return _fast.weights.combinatorial(E.sparsity)
     return E.matrix(np.ones(len(E)))
@@ -75,7 +72,7 @@ def distance(V: ArrayLike, F: ArrayLike | Edges) -> csr_array:
         No mesh.
     """
     V = check_vertices(V)
-    E = _edges(F, len(V))
+    E = as_edges(F, len(V))
     if _fast.wanted(len(V)):
         return _fast.weights.distance(V, E.sparsity)
     i, j = E.ends.T
@@ -117,14 +114,10 @@ def cotangent(V: ArrayLike, F: ArrayLike | Edges, *, negative: str = "keep") -> 
     -----
     MeshWarning
         Once, where faces are degenerate. They have no angles and contribute 0.
-
-    See Also
-    --------
-    meshfair.intrinsic.cotangent : never negative, on flipped edges.
     """
     check_choice(negative, "negative", ("keep", "clamp"))
     V = check_vertices(V)
-    E = _edges(F, len(V))
+    E = as_edges(F, len(V))
     if _fast.wanted(len(V)):
         W, degenerate = _fast.weights.cotangent(V, E.sparsity)
     else:
@@ -132,7 +125,7 @@ def cotangent(V: ArrayLike, F: ArrayLike | Edges, *, negative: str = "keep") -> 
         W = E.matrix(E.sums(T.cotangents) / 2)  # each edge's sum over the angles opposite it
         degenerate = T.degenerate.any()
     if degenerate:
-        _warn_of_degenerate_faces(V, E)
+        warn_of_degenerate_faces(V, E.F, "contribute nothing to the cotangent weights")
     if negative == "clamp":
         W.data = np.maximum(W.data, 0)
     return W
@@ -144,23 +137,3 @@ BY_NAME: dict[str, Callable[[Floats, ArrayLike | Edges], csr_array]] = {
     "cotangent": cotangent,
 }
 """Each builder by its name, as a function of V and F."""
-
-
-def _edges(F: ArrayLike | Edges, n: int) -> Edges:
-    """The edges of these faces, or the edges that were given for them."""
-    if not isinstance(F, Edges):
-        return Edges(F, n)
-    if F.n != n:
-        raise MeshError(f"the edges are those of {F.n} vertices, but V has {n}; find them anew")
-    return F
-
-
-def _warn_of_degenerate_faces(V: Floats, E: Edges) -> None:
-    degenerate = Triangles(V, E.F).degenerate
-    if degenerate.any():  # rounding may decide otherwise than at one corner alone
-        warnings.warn(
-            f"{degenerate.sum()} of {len(E.F)} faces are degenerate (the first has vertices "
-            f"{E.F[degenerate][0].tolist()}); they contribute nothing to the cotangent weights",
-            MeshWarning,
-            stacklevel=3,
-        )

@@ -13,7 +13,7 @@ in the teacher's process, send it meshes that the student has not seen.
 ``answers``     what a function returned, as plain data
 ``rules``       which imports and calls an assignment allows
 ``meshes``      the meshes that students have not seen
-``wire``        plain data between the two processes
+``protocol``    plain data between the two processes
 ``isolation``   limits, namespaces: the walls around the other process
 ``landlock``    which files it may read and write
 ``child``       what runs inside

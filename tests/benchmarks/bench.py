@@ -15,7 +15,7 @@ bench.csv has a row for each task and contender:
     vertices, faces   of the mesh (task "flow": the bunny itself, not subdivided)
     task              weights; step (one averaging step in one call); steps (each of twenty
                       in one call); both again "in order": vertices numbered so that neighbours
-                      are near in memory, as `ordering.reorder` does; implicit; flow (three
+                      are near in memory, as `mesh.reorder` does; implicit; flow (three
                       weights, twenty steps, SNR at each)
     contender         which library, ours first
     rounds            how often it was measured: slow contenders less often than others
@@ -30,8 +30,10 @@ bench.csv has a row for each task and contender:
                       as one step must read and write; copies take their turn in each round
 
 filters.csv has a row for each filter: seconds with its default parameters, median of rounds.
+starting.csv has the seconds of a new process: Python alone, NumPy and SciPy imported, README's
+first example, nothing compiled before.
 scaling.csv has a row for each size: vertices, faces, nanoseconds per vertex of each part
-(pattern, cotangent, averaging, step, whole_flow) and peak_bytes_per_vertex, the most memory
+(edges, cotangent, averaging, step, whole_flow) and peak_bytes_per_vertex, the most memory
 that the whole flow holds. machine.csv says what was measured on.
 """
 
@@ -46,9 +48,10 @@ import filtering
 import measuring
 import numpy as np
 import scaling
+import starting
 from contenders import CONTENDERS, STEPS, known
 
-from meshfair._fast import ordering
+from meshfair.mesh import reorder
 
 RESULTS = Path(__file__).resolve().parents[2] / "report" / "results"
 IN_ORDER = " in order"
@@ -65,13 +68,14 @@ ENOUGH = 20
 
 # What the package promises (two cores, 556,051 vertices): ours, how many times as fast, theirs.
 PROMISES = [
-    ("weights", "ours, pattern known", 5, "libigl"),
+    ("weights", "ours, edges known", 5, "libigl"),
     ("weights", "ours, from nothing", 3, "libigl"),
     *(
         (task, "ours", wanted, theirs)
         for task in STEP_TASKS
         for theirs, wanted in {"Open3D": 10, "PyVista": 10, "PyMeshLab": 7, "trimesh": 2.5}.items()
     ),
+    ("step", "ours", 1.6, "SciPy product"),
     ("implicit", "ours", 4, "SciPy CG, diagonal"),
     ("implicit", "ours", 4, "PyAMG"),
     ("implicit", "ours", 4, "cholespy"),
@@ -178,7 +182,7 @@ def compare(task, mesh, rounds, processes, copied):
 def in_order(mesh, folder):
     """The same mesh, vertices numbered breadth-first, in a file of its own."""
     with np.load(mesh) as arrays:
-        V, F, _ = ordering.reorder(arrays["V"], arrays["F"])
+        V, F, _ = reorder(arrays["V"], arrays["F"])
     file = Path(folder) / "in_order.npz"
     np.savez(file, V=V, F=F)
     return file
@@ -193,7 +197,7 @@ def _difference(X, Y):
 
 
 def bytes_to_move(mesh):
-    """The least that one averaging step must read and write: A, V, the mask of held ones, V+."""
+    """The least that one averaging step must read and write: A, V, the mask of fixed ones, V+."""
     with np.load(mesh) as arrays:
         k = known(arrays["V"], arrays["F"])
     n = len(k.V)
@@ -284,6 +288,7 @@ def main(arguments=None):
         tables["bench.csv"] = rows
         if not options.task:
             rounds = 1 if options.quick else options.rounds or 3
+            tables["starting.csv"] = starting.table(1 if options.quick else 9)
             tables["filters.csv"] = filtering.table(rounds, options.quick)
             tables["scaling.csv"] = scaling.table(meshes, rounds)
     facts = [*measuring.machine(), ("copy GB/s", f"{measuring.median(bandwidths) / 1e9:.1f}")]

@@ -53,18 +53,18 @@ def table(meshes, rounds):
 
 def measure(file, rounds):
     """One row of the table."""
-    explicit_flow(*shapes.icosphere(2), np.random.default_rng(0))()  # compiles
+    explicit_flow(*shapes.icosphere(6), np.random.default_rng(0))()  # compiles
     with np.load(file) as arrays:
         V, F = arrays["V"], arrays["F"]
     n = len(V)
     whole = explicit_flow(V, F, np.random.default_rng(0))
     peak, _ = measuring.peak_memory(whole)
-    pattern = weights.Pattern(F, n)
-    W = weights.cotangent(V, pattern)
-    A = operators.averaging(weights.combinatorial(pattern, n))
+    edges = mesh.Edges(F, n)
+    W = weights.cotangent(V, edges)
+    A = operators.averaging(weights.combinatorial(edges, n))
     tasks = {
-        "pattern": lambda: weights.Pattern(F, n),
-        "cotangent": lambda: weights.cotangent(V, pattern),
+        "edges": lambda: mesh.Edges(F, n).sparsity,
+        "cotangent": lambda: weights.cotangent(V, edges),
         "averaging": lambda: operators.averaging(W),
         "step": lambda: flow.average(V, A, STEPS),
         "whole_flow": whole,
@@ -77,7 +77,7 @@ def measure(file, rounds):
 
 
 def explicit_flow(V, F, rng):
-    """The seed's flow from positions and faces on: weights, operator, steps, SNR at each."""
+    """The flow from positions and faces on: weights, operator, steps, the SNR at each."""
     edge = mesh.mean_edge_length(V, F[:1000])  # that of a part, to leave memory alone
     V_noisy = V + 0.2 * edge * rng.standard_normal(V.shape)
     return lambda: flow.snr_curve(

@@ -85,9 +85,9 @@ def _turn(first, last, Z, beta, P):
 @compiled(fused=True)
 def _multiply(first, last, indptr, indices, A, P, AP):
     """A p, and the sums p . A p."""
-    pap_x = pap_y = pap_z = 0.0
+    p, pap_x, pap_y, pap_z = indptr[first], 0.0, 0.0, 0.0
     for i in range(first, last):
-        x, y, z, _ = row_product(indptr[i], indptr[i + 1], indices, A, P)
+        x, y, z, p = row_product(p, indptr[i + 1], indices, A, P)
         AP[i, 0], AP[i, 1], AP[i, 2] = x, y, z
         pap_x += x * P[i, 0]
         pap_y += y * P[i, 1]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from meshfair._fast.kernels import compiled, on_all_cores
+from meshfair._fast.kernels import compiled, helper, on_all_cores
 
 # Faces that a thread takes at a time.
 BLOCK = 4096
@@ -15,7 +15,7 @@ def face_shapes(V, F):
     return N, area, C
 
 
-@compiled
+@helper
 def _area_vector(V, a, b, c):
     """The cross product of two edges, and its length."""
     ux, uy, uz = V[b, 0] - V[a, 0], V[b, 1] - V[a, 1], V[b, 2] - V[a, 2]

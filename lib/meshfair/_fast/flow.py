@@ -8,7 +8,7 @@ vertices so that neighbours are near in memory.
 import numpy as np
 
 from meshfair._fast import ordering
-from meshfair._fast.kernels import compiled, on_all_cores, unsigned
+from meshfair._fast.kernels import compiled, helper, on_all_cores, unsigned
 from meshfair.checks import check_square
 
 # From so many iterations on, on a mesh whose positions outgrow the caches, ordering
@@ -76,40 +76,52 @@ def _step(A, V, tau, fixed, V_next, V_true=None):
     return None if distance is None else distance.sum()
 
 
-@compiled(fused=True)
-def row_product(start, stop, indices, A, V):
-    """sum_j a_ij v_j over the entries of a row, and whether all its columns exist."""
-    x = y = z = 0.0
-    sound = True
+@helper
+def columns_exist(start, stop, indices, columns):
+    """Whether these entries stand in columns that there are; they are read soon after."""
+    largest = indices.dtype.type(0)
     for p in range(start, stop):
+        largest = max(largest, indices[p])
+    return largest < columns
+
+
+@helper
+def row_product(p, stop, indices, A, V):
+    """sum_j a_ij v_j over the entries of a row from p on, and where the next row begins."""
+    x = y = z = 0.0
+    one = indices.dtype.type(1)  # of the type of p: numba adds two types as floats
+    while p < stop:
         a, j = A[p], indices[p]
-        if j >= len(V):
-            sound = False
-            continue
         x += a * V[j, 0]
         y += a * V[j, 1]
         z += a * V[j, 2]
-    return x, y, z, sound
+        p += one
+    return x, y, z, p
 
 
 @compiled(fused=True)
 def _average(first, last, indptr, indices, A, V, V_next):
     """v+_i = sum_j a_ij v_j: `_flow` for tau = 1 and nothing fixed, with less to do per row."""
-    sound = True
+    if not columns_exist(indptr[first], indptr[last], indices, len(V)):
+        return False
+    p, size = indptr[first], 0.0
     for i in range(first, last):
-        x, y, z, exist = row_product(indptr[i], indptr[i + 1], indices, A, V)
+        x, y, z, p = row_product(p, indptr[i + 1], indices, A, V)
         V_next[i, 0], V_next[i, 1], V_next[i, 2] = x, y, z
-        sound &= exist & (abs(x) + abs(y) + abs(z) < np.inf)
-    return sound
+        size += abs(x) + abs(y) + abs(z)
+    return size < np.inf
 
 
 @compiled(fused=True)
 def _flow(first, last, indptr, indices, A, V, tau, fixed, V_next, V_true):
     """v+_i = (1 - tau) v_i + tau sum_j a_ij v_j, but v+_i = v_i where fixed."""
-    sound, distance = True, 0.0
+    size = distance = 0.0
+    if not columns_exist(indptr[first], indptr[last], indices, len(V)):
+        return False, distance
+    p = indptr[first]
     for i in range(first, last):
-        x, y, z, exist = row_product(indptr[i], indptr[i + 1], indices, A, V)
-        sound &= exist & (abs(x) + abs(y) + abs(z) < np.inf)
+        x, y, z, p = row_product(p, indptr[i + 1], indices, A, V)
+        size += abs(x) + abs(y) + abs(z)
         if fixed[i]:
             x, y, z = V[i, 0], V[i, 1], V[i, 2]
         else:
@@ -120,4 +132,4 @@ def _flow(first, last, indptr, indices, A, V, tau, fixed, V_next, V_true):
         if len(V_true):
             dx, dy, dz = x - V_true[i, 0], y - V_true[i, 1], z - V_true[i, 2]
             distance += np.sqrt(dx * dx + dy * dy + dz * dz)
-    return sound, distance
+    return size < np.inf, distance

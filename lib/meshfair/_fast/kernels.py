@@ -9,6 +9,8 @@ A kernel is a plain Python function that loops over rows ``first .. last - 1``:
 
     on_all_cores(_double, len(x), x, out)
 
+A formula that several kernels share is a `helper`.
+
 The cores are used by ordinary Python threads, since compiled code does not
 hold the interpreter's lock. So kernels may be called from several threads at
 once, and in processes that were forked or spawned. numba's own ``parallel=True``
@@ -32,7 +34,7 @@ def compiled(kernel=None, *, fused=False):
     Parameters
     ----------
     kernel : function of NumPy arrays and numbers
-        Left out where options are given: ``@compiled(fused=True)``. It may call others.
+        Left out where options are given: ``@compiled(fused=True)``.
     fused : bool
         Let a product and the sum that it goes into be rounded once, where the
         processor can do so (fused multiply-add). Sums over neighbours are up to
@@ -50,6 +52,14 @@ def compiled(kernel=None, *, fused=False):
         kernel, nogil=True, cache=True, error_model="numpy",
         fastmath={"contract"} if fused else False,
     )  # fmt: skip
+
+
+def helper(function):
+    """Let kernels share a function: its text is put into each of them.
+
+    A call would pass arrays with their reference counts, which takes as long as a row.
+    """
+    return numba.njit(function, inline="always")
 
 
 def unsigned(*indices):

@@ -25,6 +25,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import splu
 
+from meshfair._fast.flow import row_product
 from meshfair._fast.kernels import BLOCK, compiled, on_all_cores, unsigned
 
 # An aggregate has about ten vertices.
@@ -229,15 +230,10 @@ def _restrict(first, last, indptr, indices, A, bounds, members, R, Z, R_coarse):
         R_coarse[row, 0] = R_coarse[row, 1] = R_coarse[row, 2] = 0
         for q in range(bounds[row], bounds[row + 1]):
             i = members[q]
-            x, y, z = R[i, 0], R[i, 1], R[i, 2]
-            for p in range(indptr[i], indptr[i + 1]):
-                a, j = A[p], indices[p]
-                x -= a * Z[j, 0]
-                y -= a * Z[j, 1]
-                z -= a * Z[j, 2]
-            R_coarse[row, 0] += x
-            R_coarse[row, 1] += y
-            R_coarse[row, 2] += z
+            x, y, z, _ = row_product(indptr[i], indptr[i + 1], indices, A, Z)
+            R_coarse[row, 0] += R[i, 0] - x
+            R_coarse[row, 1] += R[i, 1] - y
+            R_coarse[row, 2] += R[i, 2] - z
 
 
 @compiled
@@ -251,17 +247,13 @@ def _correct(first, last, aggregate, Z_coarse, Z):
 @compiled(fused=True)
 def _smooth(first, last, indptr, indices, A, weight, R, Z, momentum, scale, Z_other):
     """z + momentum (z - z_before) + scale d^-1 (r - A z), in the place of z_before."""
+    p = indptr[first]
     for i in range(first, last):
-        x, y, z = R[i, 0], R[i, 1], R[i, 2]
-        for p in range(indptr[i], indptr[i + 1]):
-            a, j = A[p], indices[p]
-            x -= a * Z[j, 0]
-            y -= a * Z[j, 1]
-            z -= a * Z[j, 2]
+        x, y, z, p = row_product(p, indptr[i + 1], indices, A, Z)
         w = scale * weight[i]
-        x = Z[i, 0] + momentum * (Z[i, 0] - Z_other[i, 0]) + w * x
-        y = Z[i, 1] + momentum * (Z[i, 1] - Z_other[i, 1]) + w * y
-        z = Z[i, 2] + momentum * (Z[i, 2] - Z_other[i, 2]) + w * z
+        x = Z[i, 0] + momentum * (Z[i, 0] - Z_other[i, 0]) + w * (R[i, 0] - x)
+        y = Z[i, 1] + momentum * (Z[i, 1] - Z_other[i, 1]) + w * (R[i, 1] - y)
+        z = Z[i, 2] + momentum * (Z[i, 2] - Z_other[i, 2]) + w * (R[i, 2] - z)
         Z_other[i, 0], Z_other[i, 1], Z_other[i, 2] = x, y, z
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from meshfair._fast.kernels import compiled, on_all_cores, unsigned
+from meshfair._fast.kernels import compiled, helper, on_all_cores, unsigned
 from meshfair.checks import DEGENERATE
 
 
@@ -29,17 +29,17 @@ def cotangent(V, pattern):
     return P.matrix(W), bool(P.collapsed or sum(degenerate))
 
 
-@compiled
+@helper
 def _difference(V, i, j):
     return V[i, 0] - V[j, 0], V[i, 1] - V[j, 1], V[i, 2] - V[j, 2]
 
 
-@compiled
+@helper
 def _dot(u, v):
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
 
 
-@compiled
+@helper
 def _cross(u, v):
     return u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
 

@@ -1,8 +1,10 @@
 """Say how far a mesh is from another one, by every metric that fits the two.
 
-A is the mesh in question, B the clean one that it is compared with. SNR and
+A is the mesh in question, B the ground truth that it is compared with. SNR and
 normal angle need two meshes of the same faces and number of vertices.
 """
+
+import argparse
 
 from meshfair.cli import files, printing
 
@@ -16,15 +18,15 @@ UNITS = {
 }
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the subcommand's arguments."""
     files.add_input(parser, "a", "the noisy or denoised mesh")
-    files.add_input(parser, "b", "the clean mesh")
+    files.add_input(parser, "b", "the ground truth")
     files.add_reading(parser)
     files.add_json(parser)
 
 
-def run(options):
+def run(options: argparse.Namespace) -> int:
     """Read both, compare, print.
 
     Returns

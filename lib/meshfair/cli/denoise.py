@@ -6,11 +6,13 @@ those that it does not have, and names its own.
 
 import argparse
 import ast
+from collections.abc import Sequence
+from typing import Any
 
 from meshfair.cli import files, printing
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the subcommand's arguments."""
     files.add_input(parser, "in")
     files.add_output(parser)
@@ -38,7 +40,7 @@ def add_arguments(parser):
         "--ground-truth",
         metavar="MESH",
         type=files.Path,
-        help="the clean mesh, to say how much closer the result is",
+        help="the noise-free mesh, to say how much closer the result is",
     )
     files.add_reading(parser)
     files.add_json(parser)
@@ -47,7 +49,13 @@ def add_arguments(parser):
 class _ListMethods(argparse.Action):
     """Print every method with its parameters and their defaults, and stop."""
 
-    def __call__(self, parser, namespace, values, option_string=None):
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: str | Sequence[Any] | None,
+        option_string: str | None = None,
+    ) -> None:
         from meshfair import denoising
 
         for method in denoising.methods():
@@ -57,7 +65,7 @@ class _ListMethods(argparse.Action):
         parser.exit()
 
 
-def _parameter(text):
+def _parameter(text: str) -> tuple[str, Any]:
     """A name and a value from NAME=VALUE: a number, True, False or None, else a word."""
     name, equals, value = text.partition("=")
     if not (name.isidentifier() and equals and value):
@@ -68,7 +76,7 @@ def _parameter(text):
         return name, value
 
 
-def run(options):
+def run(options: argparse.Namespace) -> int:
     """Read, denoise, write, and say what was done.
 
     Returns
@@ -105,13 +113,17 @@ def run(options):
                 "out": options.out,
                 "method": result.method,
                 "parameters": parameters,
-                "held_vertices": len(chosen.get("fixed", ())),
+                "fixed_vertices": len(chosen.get("fixed", ())),
                 "seconds": result.seconds,
                 "history": history,
             }
         )
     else:
-        rows = [("out", options.out), ("method", result.method), *parameters.items()]
+        rows: list[tuple[str, Any]] = [
+            ("out", options.out),
+            ("method", result.method),
+            *parameters.items(),
+        ]
         if history:
             for name, unit in (("snr", "dB"), ("normal_angle", "degrees")):
                 rows.append((name, f"{history[0][name]:.6g} -> {history[-1][name]:.6g} {unit}"))

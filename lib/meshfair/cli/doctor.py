@@ -1,15 +1,23 @@
 """Check what is installed and what the machine offers, and say what to do.
 
-Exit code 1 where something that meshfair needs is missing.
+Exit code 1 where something that meshfair needs is missing. What belongs to an
+extra is optional: without it, its part of the package does not work, or is slower.
 """
 
+from __future__ import annotations
+
+import argparse
 import os
-import re
-import sys
+import platform
+from collections import defaultdict
+from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from meshfair.cli import files, printing
+
+if TYPE_CHECKING:
+    from packaging.requirements import Requirement
 
 
 class Check(NamedTuple):
@@ -23,12 +31,12 @@ class Check(NamedTuple):
     """What to do about it."""
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the subcommand's arguments."""
     files.add_json(parser)
 
 
-def run(options):
+def run(options: argparse.Namespace) -> int:
     """Look at everything and print it.
 
     Returns
@@ -36,13 +44,13 @@ def run(options):
     int
         0, or 1 where there is a problem.
     """
-    checks = [
-        *_packages(),
-        _attempt("cores", _cores),
-        _attempt("numba cache", _numba_cache),
-        _attempt("EGL", _egl),
-        _attempt("real meshes", _real_meshes),
-    ]
+    looks: dict[str, Callable[[], list[Check]]] = {
+        "packages": _packages,
+        "compiled loops": _compiled_loops,
+        "EGL": _egl,
+        "real meshes": _real_meshes,
+    }
+    checks = [check for name, look in looks.items() for check in _attempt(name, look)]
     problems = sum(check.state == "problem" for check in checks)
     if options.json:
         printing.print_json({"ok": not problems, "checks": [check._asdict() for check in checks]})
@@ -56,96 +64,122 @@ def run(options):
     return 1 if problems else 0
 
 
-def _attempt(name, look):
-    """A check; where looking itself fails, that is the problem."""
+def _attempt(name: str, look: Callable[[], list[Check]]) -> list[Check]:
+    """The checks of a look; where looking itself fails, that is the problem."""
     try:
-        return look(name)
+        return look()
+    except ModuleNotFoundError as error:  # what the core needs is checked by name
+        found = f"cannot be checked without {error.name}, which is not installed"
+        return [Check(name, "note", found, f"pip install {error.name}, or the extra it is part of")]
     except Exception as error:
-        return Check(name, "problem", f"{type(error).__name__}: {error}", "install meshfair again")
+        found = f"{type(error).__name__}: {error}"
+        return [Check(name, "problem", found, "install meshfair again")]
 
 
-def _packages():
-    """Python, meshfair, and each package that its own metadata names."""
+def _packages() -> list[Check]:
+    """Python, meshfair, each package that the core needs, and each extra."""
     from importlib.metadata import PackageNotFoundError, metadata, requires
+
+    from packaging.requirements import Requirement
 
     import meshfair
 
-    running = ".".join(str(part) for part in sys.version_info[:3])
     place = Path(meshfair.__file__).parent
     try:
-        wanted, requirements = metadata("meshfair")["Requires-Python"], requires("meshfair")
+        about = metadata("meshfair")
     except PackageNotFoundError:
         found = f"{meshfair.__version__} in {place}, not installed"
         advice = "install it, with pip install -e . in its folder"
-        return [Check("python", "ok", running), Check("meshfair", "problem", found, advice)]
+        return [Check("meshfair", "problem", found, advice)]
+    wanted = [Requirement(text) for text in requires("meshfair") or []]
+    python = Requirement(f"python{about['Requires-Python'] or ''}")
     checks = [
-        _versions("python", running, wanted.lstrip(">="), None),
+        _core(python, platform.python_version()),
         Check("meshfair", "ok", f"{meshfair.__version__} in {place}"),
     ]
-    for requirement in requirements:
-        package = re.match(r"[\w.-]+", requirement)[0]
-        least = re.search(r">=\s*([\w.]+)", requirement)
-        extra = re.search(r"extra == ['\"](\w+)", requirement)
-        if package != "meshfair":
-            checks.append(_installed(package, least and least[1], extra and extra[1]))
-    return checks
+    extras = defaultdict(list)
+    for requirement in wanted:
+        if requirement.marker is None or requirement.marker.evaluate({"extra": ""}):
+            checks.append(_core(requirement, _version(requirement.name)))
+            continue
+        for extra in about.get_all("Provides-Extra") or []:
+            # Extras that name other extras of meshfair are those, once more.
+            if requirement.marker.evaluate({"extra": extra}) and requirement.name != "meshfair":
+                extras[extra].append((requirement, _version(requirement.name)))
+    return checks + [_extra(extra, found) for extra, found in extras.items()]
 
 
-def _installed(package, least, extra):
-    """Whether a package is there, and new enough."""
+def _version(package: str) -> str | None:
+    """The version of a package; None where it is not installed."""
     from importlib.metadata import PackageNotFoundError, version
 
     try:
-        return _versions(package, version(package), least, extra)
+        return version(package)
     except PackageNotFoundError:
-        if extra:
-            advice = f'for {extra}: pip install "meshfair[{extra}]"'
-            return Check(package, "note", "not installed", advice)
-        return Check(package, "problem", "not installed", f"pip install {package}")
+        return None
 
 
-def _versions(name, found, least, extra):
-    """Compare two versions by their leading numbers, which is as much as is ever asked for."""
-    numbers = [
-        [int(number) for number in re.findall(r"\d+", text)[:3]] for text in (found, least or "0")
+def _shortcoming(requirement: Requirement, version: str | None) -> str:
+    """What is wrong with the version of a package; nothing where it is as required."""
+    if version is None:
+        return f"{requirement.name} is not installed"
+    if not requirement.specifier.contains(version, prereleases=True):
+        return f"{requirement.name} {version} is not {requirement.specifier}"
+    return ""
+
+
+def _core(requirement: Requirement, version: str | None) -> Check:
+    """A package without which nothing works."""
+    if wrong := _shortcoming(requirement, version):
+        advice = f'pip install "{requirement.name}{requirement.specifier}"'
+        return Check(requirement.name, "problem", wrong, advice)
+    return Check(requirement.name, "ok", str(version))
+
+
+def _extra(extra: str, packages: list[tuple[Requirement, str | None]]) -> Check:
+    """The packages of an extra, of which none has to be there."""
+    wrong = [
+        text for requirement, version in packages if (text := _shortcoming(requirement, version))
     ]
-    if numbers[0] >= numbers[1]:
-        return Check(name, "ok", found)
-    state = "note" if extra else "problem"
-    return Check(name, state, f"{found}, older than {least}", f"get {name} {least} or newer")
+    if wrong:
+        advice = f'optional: pip install "meshfair[{extra}]"'
+        return Check(f"extra {extra}", "note", ", ".join(wrong), advice)
+    there = ", ".join(f"{requirement.name} {version}" for requirement, version in packages)
+    return Check(f"extra {extra}", "ok", there)
 
 
-def _cores(name):
-    from meshfair._fast.kernels import threads
+def _compiled_loops() -> list[Check]:
+    """How large meshes are worked on: the cores, and where compiled loops are kept."""
+    from meshfair import _fast
 
-    there, used = os.cpu_count(), threads()
-    advice = "" if used > 1 else "kernels and sweeps run on one core; check NUMBA_NUM_THREADS"
-    return Check(name, "ok", f"{used} of {there} used", advice)
-
-
-def _numba_cache(name):
-    """Where numba keeps compiled kernels; without it each start compiles anew."""
+    if not _fast.available():
+        found = "none without numba: large meshes take longer"
+        return [Check("compiled loops", "note", found, 'pip install "meshfair[fast]"')]
     import numba
 
+    there, used = os.cpu_count(), _fast.kernels.threads()
+    advice = "" if used > 1 else "compiled loops and sweeps run on one core; see NUMBA_NUM_THREADS"
+    cores = Check("cores", "ok", f"{used} of {there} used", advice)
     try:
-        # numba takes the first place that it can write to, by itself.
-        place = numba.njit(_cores, cache=True).stats.cache_path
+        # numba takes the first folder that it can write to, by itself.
+        kept = Check("numba cache", "ok", str(numba.njit(_egl, cache=True).stats.cache_path))
     except RuntimeError:
+        found = "no folder for compiled loops, so each start compiles anew"
         advice = "set NUMBA_CACHE_DIR to a folder that can be written to"
-        return Check(name, "problem", "no folder for compiled kernels", advice)
-    return Check(name, "ok", place)
+        kept = Check("numba cache", "problem", found, advice)
+    return [cores, kept]
 
 
-def _egl(name):
+def _egl() -> list[Check]:
     from meshfair.viewer import has_egl
     from meshfair.viewer.offscreen import MISSING_EGL
 
     if has_egl():
-        return Check(name, "ok", "polyscope draws without a screen")
-    return Check(name, "note", "missing", MISSING_EGL)
+        return [Check("EGL", "ok", "polyscope draws without a screen")]
+    return [Check("EGL", "note", "missing", MISSING_EGL)]
 
 
-def _real_meshes(name):
+def _real_meshes() -> list[Check]:
     from meshfair import datasets
 
     present = [source for source in datasets.SOURCES if datasets.find(source)]
@@ -153,7 +187,7 @@ def _real_meshes(name):
     mirror = os.environ.get(datasets.MIRROR_VARIABLE)
     if mirror and not Path(mirror).is_dir():
         advice = f"{datasets.MIRROR_VARIABLE} is {mirror!r}, which is no folder; correct it"
-        return Check(name, "note", found, advice)
+        return [Check("real meshes", "note", found, advice)]
     if len(present) == len(datasets.SOURCES):
-        return Check(name, "ok", found)
-    return Check(name, "note", found, "make data downloads them")
+        return [Check("real meshes", "ok", found)]
+    return [Check("real meshes", "note", found, "make data downloads them")]

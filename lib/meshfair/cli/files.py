@@ -1,24 +1,30 @@
 """The files that subcommands read and write: what they share."""
 
+import argparse
 import os
+from collections.abc import Sequence
 from pathlib import Path
 
+from meshfair.checks import Floats, Integers
 
-def add_input(parser, name="file", purpose="the mesh to read"):
+
+def add_input(
+    parser: argparse.ArgumentParser, name: str = "file", purpose: str = "the mesh to read"
+) -> None:
     """Declare a mesh file that is read; see `read`."""
     parser.add_argument(name, metavar=name.upper(), type=Path, help=purpose)
 
 
-def add_reading(parser):
+def add_reading(parser: argparse.ArgumentParser) -> None:
     """Declare how meshes are read."""
     parser.add_argument(
         "--weld-stl",
         action="store_true",
-        help="join the corners of an STL file that are in the same place",
+        help="merge the corners of an STL file that are in the same place",
     )
 
 
-def add_output(parser):
+def add_output(parser: argparse.ArgumentParser) -> None:
     """Declare the mesh file that is written; see `check_output`."""
     parser.add_argument(
         "out", metavar="OUT", type=Path, help="the mesh to write; its ending tells the format"
@@ -26,12 +32,12 @@ def add_output(parser):
     parser.add_argument("--force", action="store_true", help="replace OUT if it is there")
 
 
-def add_json(parser):
+def add_json(parser: argparse.ArgumentParser) -> None:
     """Declare machine-readable output; see `meshfair.cli.printing`."""
     parser.add_argument("--json", action="store_true", help="print one JSON object instead of text")
 
 
-def read(path, options):
+def read(path: Path, options: argparse.Namespace) -> tuple[Floats, Integers]:
     """Read a mesh as the options of `add_reading` say.
 
     Returns
@@ -44,7 +50,7 @@ def read(path, options):
     return io.read(path, weld_stl=options.weld_stl)
 
 
-def check_output(out, inputs, force):
+def check_output(out: Path, inputs: Sequence[Path], force: bool) -> None:
     """Refuse an output that would destroy something, or that cannot be written.
 
     Called before the work, so that nothing is computed in vain.
@@ -78,7 +84,7 @@ def check_output(out, inputs, force):
         raise PermissionError(f"{out}: the folder {out.parent} {reason}; choose another")
 
 
-def write(out, V, F, inputs, force):
+def write(out: Path, V: Floats, F: Integers, inputs: Sequence[Path], force: bool) -> None:
     """Write the mesh, after the checks of `check_output` once more: work takes time."""
     from meshfair import io
 

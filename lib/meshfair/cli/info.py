@@ -1,16 +1,18 @@
 """Say what a mesh is, what is wrong with it, and which methods that affects."""
 
+import argparse
+
 from meshfair.cli import files, printing
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the subcommand's arguments."""
     files.add_input(parser)
     files.add_reading(parser)
     files.add_json(parser)
 
 
-def run(options):
+def run(options: argparse.Namespace) -> int:
     """Read, inspect, print.
 
     Returns

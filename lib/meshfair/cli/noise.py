@@ -4,12 +4,15 @@ Sizes are in mean edge lengths of the mesh, but for the uniform model's amplitud
 which is in the mesh's own units. The same seed gives the same noise.
 """
 
+import argparse
+
 from meshfair.cli import files, printing
 
-MODELS = ("along-normals", "gaussian", "uniform", "impulsive")
+# Those of `meshfair.noise.MODELS`, which is not loaded for --help, and outliers.
+MODELS = ("normals", "gaussian", "uniform", "impulsive")
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the subcommand's arguments."""
     files.add_input(parser, "in")
     files.add_output(parser)
@@ -19,7 +22,7 @@ def add_arguments(parser):
     )
     parser.add_argument("--amplitude", type=float, help="of the uniform model, which needs it")
     parser.add_argument(
-        "--fraction", type=float, default=0.1, help="of vertices hit, if impulsive (default 0.1)"
+        "--fraction", type=float, default=0.1, help="of vertices moved, if impulsive (default 0.1)"
     )
     parser.add_argument(
         "--snr", type=float, metavar="DB", help="scale the noise to this signal-to-noise ratio"
@@ -29,7 +32,7 @@ def add_arguments(parser):
     files.add_json(parser)
 
 
-def run(options):
+def run(options: argparse.Namespace) -> int:
     """Read, move the vertices, write, and print the SNR.
 
     Returns
@@ -40,22 +43,20 @@ def run(options):
     import numpy as np
 
     from meshfair import metrics, noise
+    from meshfair.checks import check_count
 
     source = vars(options)["in"]
     files.check_output(options.out, [source], options.force)
-    if options.seed < 0:
-        raise ValueError(f"--seed is {options.seed}; give a number of at least 0")
+    check_count(options.seed, "--seed")
     if options.model == "uniform" and options.amplitude is None:
         raise ValueError("--model uniform needs --amplitude, in the units of the mesh")
     V, F = files.read(source, options)
     rng = np.random.default_rng(options.seed)
-    if options.model == "uniform":
-        V_noisy = noise.uniform(V, options.amplitude, rng)
-    elif options.model == "impulsive":
+    if options.model == "impulsive":
         V_noisy = noise.impulsive(V, F, options.sigma, options.fraction, rng)
     else:
-        model = noise.gaussian if options.model == "gaussian" else noise.along_normals
-        V_noisy = model(V, F, options.sigma, rng)
+        size = options.amplitude if options.model == "uniform" else options.sigma
+        V_noisy = noise.MODELS[options.model](V, F, size, rng)
     if options.snr is not None:
         V_noisy = noise.at_snr(V, V_noisy - V, options.snr)
     files.write(options.out, V_noisy, F, [source], options.force)

@@ -3,10 +3,12 @@
 `meshfair info` says what is wrong.
 """
 
+import argparse
+
 from meshfair.cli import files, printing
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the subcommand's arguments."""
     files.add_input(parser, "in")
     files.add_output(parser)
@@ -14,12 +16,12 @@ def add_arguments(parser):
         "--weld",
         type=float,
         metavar="DISTANCE",
-        help="join vertices up to so many mean edge lengths apart; 0: in the same place",
+        help="merge vertices up to this many mean edge lengths apart; 0: in the same place",
     )
     parser.add_argument("--degenerate", action="store_true", help="drop faces without area")
-    parser.add_argument("--duplicates", action="store_true", help="drop repeated faces")
+    parser.add_argument("--duplicates", action="store_true", help="drop duplicate faces")
     parser.add_argument(
-        "--orient", choices=("consistent", "outward"), help="turn faces over until they agree"
+        "--orient", choices=("consistent", "outward"), help="flip faces until they agree"
     )
     parser.add_argument(
         "--split", action="store_true", help="cut apart non-manifold edges and vertices"
@@ -31,7 +33,7 @@ def add_arguments(parser):
     files.add_json(parser)
 
 
-def run(options):
+def run(options: argparse.Namespace) -> int:
     """Read, repair, write, and say what was done.
 
     Returns
@@ -58,7 +60,7 @@ def run(options):
         )
     else:
         for step in repaired.report:
-            print(step.told)
+            print(step.message)
         if not repaired.report:
             print("nothing was asked for, so nothing was changed")
         print(f"{options.out}: {len(repaired.V):,} vertices, {len(repaired.F):,} faces")

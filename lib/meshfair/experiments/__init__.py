@@ -1,46 +1,52 @@
 """The experiments of the report: each a seeded function that returns a tidy table."""
 
-from meshfair.experiments.cases import MESHES, NOISE, WEIGHTS, NotDownloadedError, load_mesh
-from meshfair.experiments.extensions import agreement, full_resolution, origin, reduction, spectrum
+from meshfair.experiments.extensions import (
+    agreement,
+    eigenvalue_table,
+    full_resolution,
+    origin_shift,
+    reduction,
+)
+from meshfair.experiments.meshes import MESHES, NotDownloadedError, load_mesh, load_noisy_mesh
+from meshfair.experiments.missiles import (
+    averaging_for_missiles,
+    missile_vertices,
+    part_error_curves,
+    part_errors,
+)
 from meshfair.experiments.original import (
     curves,
     distance_readings,
     knot_meshes,
-    part_errors,
     published_table_1,
     stopping,
     table_1,
 )
-from meshfair.experiments.quality import (
-    PAIRS,
-    averaging_for_missiles,
-    denoised,
-    noisy_and_clean,
-    quality,
-)
+from meshfair.experiments.quality import PAIRS, denoised, noisy_pair, quality
 from meshfair.experiments.sweep import sweep
 
 __all__ = [
     "MESHES",
-    "NOISE",
     "PAIRS",
-    "WEIGHTS",
     "NotDownloadedError",
     "agreement",
     "averaging_for_missiles",
     "curves",
     "denoised",
     "distance_readings",
+    "eigenvalue_table",
     "full_resolution",
     "knot_meshes",
     "load_mesh",
-    "noisy_and_clean",
-    "origin",
+    "load_noisy_mesh",
+    "missile_vertices",
+    "noisy_pair",
+    "origin_shift",
+    "part_error_curves",
     "part_errors",
     "published_table_1",
     "quality",
     "reduction",
-    "spectrum",
     "stopping",
     "sweep",
     "table_1",

@@ -1,28 +1,39 @@
-"""What the seed could not do, or doubted: large meshes, reduced meshes, the SNR itself."""
+"""What the original report could not do, or doubted: large and reduced meshes, the SNR itself."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
-from scipy.sparse import diags_array
 
-from meshfair import flow, metrics, reference
-from meshfair.experiments.cases import WEIGHTS, add_noise, load_mesh
-from meshfair.experiments.original import curves
+from meshfair import flow, metrics, spectrum
+from meshfair.experiments.meshes import load_mesh, load_noisy_mesh
+from meshfair.experiments.original import TAU, TIME, curves
 from meshfair.mesh import Edges, cluster, repair, unique_faces
-from meshfair.operators import averaging, degrees, laplacian
-from meshfair.weights import cotangent
+from meshfair.noise import along_normals
+from meshfair.operators import averaging
+from meshfair.weights import BY_NAME, cotangent
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
-def full_resolution(mesh, seed=0, size=0.2, iterations=20):
-    """SNR over iterated averaging on a mesh that the seed called far too large.
+def full_resolution(
+    mesh: str, seed: int = 0, size: float = 0.2, iterations: int = 20
+) -> pd.DataFrame:
+    """SNR over iterated averaging on a mesh that the original report called far too large.
 
     Parameters
     ----------
     mesh : str
         "bunny" where it is downloaded, "large sphere" else.
     seed : int
+        Of the noise.
     size : float
         Noise along the normals, as a fraction of the mean edge length.
     iterations : int
+        How many there are.
 
     Returns
     -------
@@ -32,19 +43,26 @@ def full_resolution(mesh, seed=0, size=0.2, iterations=20):
     return curves(mesh, "normals", seed, size=size, tau=1.0, time=iterations)
 
 
-def reduction(mesh="fine knot", seed=0, cells=(2.0, 3.0, 4.0), size=0.2):
-    """What reducing a mesh does to its cotangent weights, and what cleaning mends.
+def reduction(
+    mesh: str = "fine knot",
+    seed: int = 0,
+    cells: Sequence[float] = (2.0, 3.0, 4.0),
+    size: float = 0.2,
+) -> pd.DataFrame:
+    """What reducing a mesh does to its cotangent weights, and what a repair mends.
 
     The mesh is reduced by vertex clustering, noise is added along the normals,
     and the heat flow with cotangent weights is stopped at its best. Four times:
-    with repeated faces counted twice (as libigl's ``cotmatrix`` does), with our
-    weights on the same faces, with the repeated faces dropped, and with the
+    with duplicate faces counted twice (as libigl's ``cotmatrix`` does), with our
+    weights on the same faces, with the duplicate faces dropped, and with the
     surface split where it is not manifold besides.
 
     Parameters
     ----------
     mesh : str
+        A name for `meshfair.experiments.load_mesh`.
     seed : int
+        Of the noise.
     cells : sequence of float
         Sizes of the grid's cells, in mean edge lengths.
     size : float
@@ -53,28 +71,32 @@ def reduction(mesh="fine knot", seed=0, cells=(2.0, 3.0, 4.0), size=0.2):
     Returns
     -------
     pandas.DataFrame
-        cell and treatment; vertices, faces, repeated (faces), nonmanifold
+        cell and treatment; vertices, faces, duplicates (faces), nonmanifold
         and boundary (edges); weight_error, the sum of the weights' differences to
         those of the repaired faces over the sum of these; noisy_snr, snr, time.
     """
+    import pandas as pd
+
+    from meshfair import reference  # loads libigl
+
     V, F = load_mesh(mesh)
     rows = []
     for cell in cells:
         V_small, F_small = cluster(V, F, cell)
-        noisy = add_noise(V_small, F_small, "normals", seed, size=size)
+        noisy = along_normals(V_small, F_small, size, np.random.default_rng(seed))
         dropped = repair(noisy, F_small, duplicates=True)
         split = repair(noisy, F_small, duplicates=True, split=True)
         right = cotangent(dropped.V, dropped.F)
         for treatment, W, repaired in (
-            ("repeated faces counted twice", reference.cotangent(noisy, F_small), None),
-            ("repeated faces counted once", cotangent(noisy, F_small), None),
-            ("repeated faces dropped", cotangent(dropped.V, dropped.F), dropped),
+            ("duplicate faces counted twice", reference.cotangent(noisy, F_small), None),
+            ("duplicate faces counted once", cotangent(noisy, F_small), None),
+            ("duplicate faces dropped", cotangent(dropped.V, dropped.F), dropped),
             ("dropped and split", cotangent(split.V, split.F), split),
         ):
             X, T = (noisy, F_small) if repaired is None else (repaired.V, repaired.F)
             target = V_small if repaired is None else V_small[repaired.vertex_map]
             faces_of_edge = Edges(T, len(X)).faces_of_edge
-            best = flow.best_stopping(X, target, averaging(W), tau=0.2, time=4.0)
+            best = flow.best_stopping(X, target, averaging(W), tau=TAU, time=TIME)
             same_vertices = W.shape == right.shape
             rows.append(
                 {
@@ -82,7 +104,7 @@ def reduction(mesh="fine knot", seed=0, cells=(2.0, 3.0, 4.0), size=0.2):
                     "treatment": treatment,
                     "vertices": len(X),
                     "faces": len(T),
-                    "repeated": len(T) - len(unique_faces(T)),
+                    "duplicates": len(T) - len(unique_faces(T)),
                     "nonmanifold": (faces_of_edge > 2).sum(),
                     "boundary": (faces_of_edge == 1).sum(),
                     "weight_error": abs(W - right).sum() / abs(right).sum()
@@ -96,13 +118,20 @@ def reduction(mesh="fine knot", seed=0, cells=(2.0, 3.0, 4.0), size=0.2):
     return pd.DataFrame(rows)
 
 
-def origin(mesh="knot", seed=0, decibels=22.71, shifts=(0.0, 0.5, 1.0, 2.0, 4.0)):
+def origin_shift(
+    mesh: str = "knot",
+    seed: int = 0,
+    decibels: float = 22.71,
+    shifts: Sequence[float] = (0.0, 0.5, 1.0, 2.0, 4.0),
+) -> pd.DataFrame:
     """The SNR of one noisy mesh, with the origin put in different places.
 
     Parameters
     ----------
     mesh : str
+        A name for `meshfair.experiments.load_mesh`.
     seed : int
+        Of the noise, along the normals.
     decibels : float
         SNR with the mesh where its file has it.
     shifts : sequence of float
@@ -114,8 +143,9 @@ def origin(mesh="knot", seed=0, decibels=22.71, shifts=(0.0, 0.5, 1.0, 2.0, 4.0)
     pandas.DataFrame
         where ("as stored", or the shift), snr: the same noise every time.
     """
-    V, F = load_mesh(mesh)
-    V_noisy = add_noise(V, F, "normals", seed, decibels=decibels)
+    import pandas as pd
+
+    V_noisy, V, _ = load_noisy_mesh(mesh, "normals", seed, decibels=decibels)
     diagonal = np.linalg.norm(np.ptp(V, axis=0))
     rows = [{"where": "as stored", "snr": metrics.snr(V, V_noisy)}]
     for shift in shifts:
@@ -124,7 +154,9 @@ def origin(mesh="knot", seed=0, decibels=22.71, shifts=(0.0, 0.5, 1.0, 2.0, 4.0)
     return pd.DataFrame(rows)
 
 
-def agreement(cases, *, tau=0.2, time=4.0, seed=0):
+def agreement(
+    cases: Iterable[tuple[str, float]], *, tau: float = TAU, time: float = TIME, seed: int = 0
+) -> pd.DataFrame:
     """When each metric would stop the flow, and what that costs the others.
 
     Parameters
@@ -132,7 +164,7 @@ def agreement(cases, *, tau=0.2, time=4.0, seed=0):
     cases : sequence of (mesh, size)
         Mesh names and the size of the noise along the normals.
     tau, time, seed
-        As in `curves`.
+        As in `meshfair.experiments.curves`.
 
     Returns
     -------
@@ -141,6 +173,8 @@ def agreement(cases, *, tau=0.2, time=4.0, seed=0):
         normal angle and surface distance are best; angle at the first two and
         noisy, volume_change at the angle's.
     """
+    import pandas as pd
+
     rows = []
     for mesh, size in cases:
         table = curves(mesh, "normals", seed, size=size, tau=tau, time=time, angles=True)
@@ -165,7 +199,14 @@ def agreement(cases, *, tau=0.2, time=4.0, seed=0):
     return pd.DataFrame(rows)
 
 
-def spectrum(mesh, noise, seed, *, size=None, decibels=None):
+def eigenvalue_table(
+    mesh: str,
+    noise: str,
+    seed: int,
+    *,
+    size: float | None = None,
+    decibels: float | None = None,
+) -> pd.DataFrame:
     """Eigenvalues of I - W~ on a noisy mesh: what a heat step does to each frequency.
 
     A step multiplies the part of the mesh along an eigenvector by
@@ -174,24 +215,24 @@ def spectrum(mesh, noise, seed, *, size=None, decibels=None):
 
     Parameters
     ----------
-    mesh, noise : str
-    seed : int
-    size, decibels
+    mesh, noise, seed, size, decibels
         As in `meshfair.experiments.curves`.
 
     Returns
     -------
     pandas.DataFrame
-        weights, index, mu: all eigenvalues, ascending. A dense problem:
-        seconds at a thousand vertices, hours at a hundred thousand.
+        weights, index, mu: all eigenvalues, ascending.
+
+    Raises
+    ------
+    MeshError
+        A mesh that is too large for a dense matrix, see `meshfair.spectrum.eigenvalues`.
     """
-    V, F = load_mesh(mesh)
-    V_noisy = add_noise(V, F, noise, seed, size=size, decibels=decibels)
+    import pandas as pd
+
+    V_noisy, _, F = load_noisy_mesh(mesh, noise, seed, size=size, decibels=decibels)
     parts = []
-    for name, build in WEIGHTS.items():
-        W = build(V_noisy, F)
-        # I - D^-1 W has the eigenvalues of the symmetric D^-1/2 L D^-1/2.
-        scale = diags_array(1 / np.sqrt(degrees(W)))
-        mu = np.linalg.eigvalsh((scale @ laplacian(W) @ scale).toarray())
+    for name, build in BY_NAME.items():
+        mu = 1 - spectrum.eigenvalues(build(V_noisy, F))
         parts.append(pd.DataFrame({"weights": name, "index": range(len(mu)), "mu": mu}))
     return pd.concat(parts, ignore_index=True)

@@ -1,35 +1,60 @@
-"""The seed's own experiments: the knot, Table 1, the jets."""
+"""The original report's own experiments: the knot, Table 1, the jets.
 
-from functools import cache
+The original report is "Denoising of Triangulated Meshes", a student's report of 2021
+with which this package began; sections, figures and tables are those of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from importlib.resources import files
+from os import PathLike
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
+from scipy.sparse import csr_array
 
-from meshfair import flow, metrics, weights
-from meshfair.checks import MeshError
-from meshfair.experiments.cases import WEIGHTS, add_noise, load_mesh, operator
-from meshfair.experiments.sweep import sweep
-from meshfair.mesh import mean_edge_length
+from meshfair import flow, metrics
+from meshfair.checks import Floats, Integers, check_choice
+from meshfair.experiments.meshes import load_noisy_mesh
+from meshfair.experiments.sweep import check_finished, sweep
 from meshfair.operators import averaging
-from meshfair.shapes import jet_labels
+from meshfair.weights import BY_NAME, distance
 
-TAU = 0.2  # the seed's time step (section 3)
-TIME = 4.0  # and its longest flow
-KNOT_DECIBELS = 22.71  # SNR of the noisy knot in the seed's Figure 2
-F16_DECIBELS = 22.7  # "similar initial noise values" (the seed, before Figure 5)
+if TYPE_CHECKING:
+    import pandas as pd
+
+TAU = 0.2  # time step (section 3)
+TIME = 4.0  # the longest flow
+KNOT_DECIBELS = 22.71  # SNR of the noisy knot in Figure 2
+F16_DECIBELS = 22.7  # "similar initial noise values" (before Figure 5)
 
 
-def stopping(mesh, noise, weights, seed, size=None, decibels=None, tau=TAU, time=TIME):
+def stopping(
+    mesh: str,
+    noise: str,
+    weights: str,
+    seed: int,
+    size: float | None = None,
+    decibels: float | None = None,
+    tau: float = TAU,
+    time: float = TIME,
+) -> dict[str, float]:
     """Best stopping time of one heat flow: a cell of Table 1, for `sweep`.
 
     Parameters
     ----------
-    mesh, noise, weights : str
-        Names, see `meshfair.experiments.cases`.
+    mesh : str
+        A name for `meshfair.experiments.load_mesh`.
+    noise : str
+        One of `meshfair.noise.MODELS`.
+    weights : str
+        One of `meshfair.weights.BY_NAME`.
     seed : int
+        Of the noise.
     size, decibels : float, optional
-        One of them: how much noise, see `meshfair.experiments.cases.add_noise`.
+        One of them: how much noise, see `meshfair.noise.add`.
     tau, time : float
         Step and length of the flow.
 
@@ -37,23 +62,36 @@ def stopping(mesh, noise, weights, seed, size=None, decibels=None, tau=TAU, time
     -------
     dict
         noisy_snr and snr in decibels, the stopping time, gain in percent.
+
+    Raises
+    ------
+    ValueError
+        Weights that are none of these; as `meshfair.experiments.load_noisy_mesh`.
     """
-    V, F = load_mesh(mesh)
-    V_noisy = add_noise(V, F, noise, seed, size=size, decibels=decibels)
-    best = flow.best_stopping(V_noisy, V, operator(V_noisy, F, weights), tau, time)
+    V_noisy, V, F = load_noisy_mesh(mesh, noise, seed, size=size, decibels=decibels)
+    check_choice(weights, "weights", BY_NAME)
+    best = flow.best_stopping(V_noisy, V, averaging(BY_NAME[weights](V_noisy, F)), tau, time)
     return {"noisy_snr": metrics.snr(V, V_noisy), **best._asdict()}
 
 
-def curves(mesh, noise, seed, *, size=None, decibels=None, tau=TAU, time=TIME, angles=False):
+def curves(
+    mesh: str,
+    noise: str,
+    seed: int,
+    *,
+    size: float | None = None,
+    decibels: float | None = None,
+    tau: float = TAU,
+    time: float = TIME,
+    angles: bool = False,
+) -> pd.DataFrame:
     """SNR along the heat flow with each of the three weights (Figures 3 and 6).
 
     Weights are built once, from the noisy mesh.
 
     Parameters
     ----------
-    mesh, noise : str
-    seed : int
-    size, decibels, tau, time
+    mesh, noise, seed, size, decibels, tau, time
         As in `stopping`; ``tau=1`` is iterated averaging.
     angles : bool
         Measure the mean normal angle, surface distance and volume too.
@@ -65,12 +103,13 @@ def curves(mesh, noise, seed, *, size=None, decibels=None, tau=TAU, time=TIME, a
         ``angles`` normal_angle (degrees), surface_distance (mean edge
         lengths) and volume_change (a fraction).
     """
-    V, F = load_mesh(mesh)
-    V_noisy = add_noise(V, F, noise, seed, size=size, decibels=decibels)
+    import pandas as pd
+
+    V_noisy, V, F = load_noisy_mesh(mesh, noise, seed, size=size, decibels=decibels)
     rows = []
-    for name in WEIGHTS:
-        for t, V_t in flow.heat(V_noisy, operator(V_noisy, F, name), tau, time):
-            row = {"weights": name, "time": t, "snr": metrics.snr(V, V_t)}
+    for name, build in BY_NAME.items():
+        for t, V_t in flow.heat(V_noisy, averaging(build(V_noisy, F)), tau, time):
+            row: dict[str, Any] = {"weights": name, "time": t, "snr": metrics.snr(V, V_t)}
             if angles:
                 row["normal_angle"] = metrics.normal_angle(V_t, V, F)
                 row["surface_distance"] = metrics.surface_distance(V_t, V, F)
@@ -79,23 +118,31 @@ def curves(mesh, noise, seed, *, size=None, decibels=None, tau=TAU, time=TIME, a
     return pd.DataFrame(rows)
 
 
-def published_table_1():
-    """The seed's Table 1 as printed there.
+def published_table_1() -> pd.DataFrame:
+    """The original report's Table 1 as printed there.
 
     Returns
     -------
     pandas.DataFrame
-        amplitude (of the uniform noise that gives the SNR; not in the seed), snr of
-        the noisy mesh, weights, time, best_snr, gain in percent.
+        amplitude (of the uniform noise that gives the SNR; not in the original
+        report), snr of the noisy mesh, weights, time, best_snr, gain in percent.
     """
+    import pandas as pd
+
     return pd.read_csv(files("meshfair").joinpath("experiments/table1.csv"))
 
 
-def table_1(draws=20, executor=None, *, path=None, progress=True):
-    """The seed's Table 1 with both noise models, each cell over several noise draws.
+def table_1(
+    draws: int = 20,
+    executor: Executor | None = None,
+    *,
+    path: str | PathLike[str] | None = None,
+    progress: bool = True,
+) -> pd.DataFrame:
+    """Table 1 with both noise models, each cell over several noise draws.
 
-    "uniform" is the noise that the seed's figures were made with; "normals"
-    is the noise that it defines, scaled to the same SNR.
+    "uniform" is the noise that the original report's figures were made with;
+    "normals" is the noise that it defines, scaled to the same SNR.
 
     Parameters
     ----------
@@ -109,21 +156,23 @@ def table_1(draws=20, executor=None, *, path=None, progress=True):
     pandas.DataFrame
         A row for each noise, snr and weights: means and standard deviations
         over the draws of time, snr and gain (``time_mean``, ``time_std``,
-        ...), the number of draws, and the seed's own figures (``original_time``,
-        ``original_snr``, ``original_gain``).
+        ...), the number of draws, and the original report's own figures
+        (``original_time``, ``original_snr``, ``original_gain``).
 
     Raises
     ------
     ValueError
         No draws.
     RuntimeError
-        A cell that failed, with its message.
+        A cell that failed.
     """
+    import pandas as pd
+
     printed = published_table_1()
     amplitudes = dict(zip(printed["snr"], printed["amplitude"], strict=True))
     common = {
         "experiment": stopping, "mesh": "knot",
-        "weights": tuple(WEIGHTS), "seed": tuple(range(draws)),
+        "weights": tuple(BY_NAME), "seed": tuple(range(draws)),
     }  # fmt: skip
     parts = []
     for noise, axis, values in (
@@ -133,7 +182,7 @@ def table_1(draws=20, executor=None, *, path=None, progress=True):
         part = sweep(
             {**common, "noise": noise, axis: values}, executor, path=path, progress=progress
         )
-        _raise_failures(part)
+        check_finished(part)
         by_value = dict(zip(values, amplitudes, strict=True))
         parts.append(part.assign(row=part[axis].map(by_value)))
     rows = pd.concat(parts)
@@ -141,7 +190,8 @@ def table_1(draws=20, executor=None, *, path=None, progress=True):
         ["mean", "std"]
     )
     table.columns = ["_".join(column) for column in table.columns]
-    seed = printed.rename(
+    table["draws"] = draws
+    printed = printed.rename(
         columns={
             "snr": "row",
             "time": "original_time",
@@ -149,34 +199,34 @@ def table_1(draws=20, executor=None, *, path=None, progress=True):
             "gain": "original_gain",
         }
     )
-    table["draws"] = draws
-    table = table.reset_index().merge(seed, on=["row", "weights"])
-    order = {"noise": ["uniform", "normals"], "row": list(amplitudes), "weights": list(WEIGHTS)}
-    for column, values in order.items():
-        table[column] = pd.Categorical(table[column], values, ordered=True)
+    table = table.reset_index().merge(printed, on=["row", "weights"])
+    order = {"noise": ["uniform", "normals"], "row": list(amplitudes), "weights": list(BY_NAME)}
+    for column, ranked in order.items():
+        table[column] = pd.Categorical(table[column], ranked, ordered=True)
     return table.sort_values(list(order), ignore_index=True).astype({"row": float})
 
 
-DISTANCE_READINGS = {
-    "w = |v_i - v_j|": lambda V, F: averaging(weights.distance(V, F)),
-    "w = |v_i - v_j|^2": lambda V, F: averaging(weights.distance(V, F) ** 2),
-    "w = 1 / |v_i - v_j|": lambda V, F: averaging(_inverted(weights.distance(V, F))),
-    "w = 1 / |v_i - v_j|^2": lambda V, F: averaging(_inverted(weights.distance(V, F) ** 2)),
-    "columns normalised": lambda V, F: averaging(weights.distance(V, F)).T.tocsr(),
-}
-
-
-def _inverted(W):
+def _inverted(W: csr_array) -> csr_array:
     W = W.copy()
     W.data = 1 / W.data
     return W
 
 
-def distance_readings(draws=5):
+DISTANCE_READINGS: dict[str, Callable[[Floats, Integers], csr_array]] = {
+    "w = |v_i - v_j|": lambda V, F: averaging(distance(V, F)),
+    "w = |v_i - v_j|^2": lambda V, F: averaging(distance(V, F) ** 2),
+    "w = 1 / |v_i - v_j|": lambda V, F: averaging(_inverted(distance(V, F))),
+    "w = 1 / |v_i - v_j|^2": lambda V, F: averaging(_inverted(distance(V, F) ** 2)),
+    "columns normalised": lambda V, F: averaging(distance(V, F)).T.tocsr(),
+}
+"""Averaging operators that "the distance" may have meant, by their formula."""
+
+
+def distance_readings(draws: int = 5) -> pd.DataFrame:
     """Table 1's distance column under other readings of "the distance".
 
-    The seed's distance column lies below what its formula gives. Here are
-    other weights that one might have programmed, on the same meshes.
+    The original report's distance column lies below what its formula gives.
+    Here are other weights that one might have programmed, on the same meshes.
 
     Parameters
     ----------
@@ -186,98 +236,43 @@ def distance_readings(draws=5):
     Returns
     -------
     pandas.DataFrame
-        reading, row (the seed's SNR), time, snr: means over the draws.
+        reading, row (the original report's SNR), time, snr: means over the draws.
     """
-    V, F = load_mesh("knot")
-    printed = published_table_1()
+    import pandas as pd
+
+    levels = published_table_1()[["snr", "amplitude"]].drop_duplicates()
     rows = []
     for reading, build in DISTANCE_READINGS.items():
-        for row, amplitude in printed[["snr", "amplitude"]].drop_duplicates().values:
+        for row, amplitude in levels.to_numpy():
             best = []
             for seed in range(draws):
-                V_noisy = add_noise(V, F, "uniform", seed, size=amplitude)
+                V_noisy, V, F = load_noisy_mesh("knot", "uniform", seed, size=amplitude)
                 best.append(flow.best_stopping(V_noisy, V, build(V_noisy, F), TAU, TIME))
             time, snr, _ = np.mean(best, axis=0)
             rows.append({"reading": reading, "row": row, "time": time, "snr": snr})
     return pd.DataFrame(rows)
 
 
-def knot_meshes(seed=1, steps=(1, 10)):
+def knot_meshes(
+    seed: int = 1, iterations: Sequence[int] = (1, 10)
+) -> dict[tuple[str, int], Floats]:
     """The meshes of Figures 2 and 4: the noisy knot, and averaged by each weights.
 
     Parameters
     ----------
     seed : int
-    steps : sequence of int
-        After how many iterations.
+        Of the noise.
+    iterations : sequence of int
+        After how many of them.
 
     Returns
     -------
     dict
         ("noisy", 0) and (weights, s) -> ndarray of shape (1440, 3).
     """
-    V, F = load_mesh("knot")
-    V_noisy = add_noise(V, F, "uniform", seed, decibels=KNOT_DECIBELS)
+    V_noisy, _, F = load_noisy_mesh("knot", "uniform", seed, decibels=KNOT_DECIBELS)
     meshes = {("noisy", 0): V_noisy}
-    for name in WEIGHTS:
-        A = operator(V_noisy, F, name)
-        meshes |= {(name, s): flow.average(V_noisy, A, s) for s in steps}
+    for name, build in BY_NAME.items():
+        A = averaging(build(V_noisy, F))
+        meshes |= {(name, s): flow.average(V_noisy, A, s) for s in iterations}
     return meshes
-
-
-@cache
-def missile_vertices():
-    """Which vertices of the jet belong to its missiles.
-
-    Returns
-    -------
-    ndarray of bool, shape (n,), read-only
-    """
-    labels, names = jet_labels()
-    missile = np.array(["missile" in name for name in names])[labels]
-    missile.flags.writeable = False  # the cache hands it out again
-    return missile
-
-
-def part_errors(mesh, noise, seed, *, size=None, decibels=None, tau=TAU, time=TIME):
-    """How far the jet's missiles and its other parts are from the clean ones.
-
-    Parameters
-    ----------
-    mesh : str
-        "jet", the one mesh whose parts are known.
-    noise, seed, size, decibels, tau, time
-        As in `curves`.
-
-    Returns
-    -------
-    pandas.DataFrame
-        weights, time, part ("missiles" or "aircraft"), error: the mean
-        distance of the part's vertices from their clean places, in mean
-        edge lengths.
-
-    Raises
-    ------
-    MeshError
-        A mesh without missiles.
-    """
-    if mesh != "jet":
-        raise MeshError(f"{mesh!r} has no missiles that are known as such; give 'jet'")
-    V, F = load_mesh(mesh)
-    missile = missile_vertices()
-    unit = mean_edge_length(V, F)
-    V_noisy = add_noise(V, F, noise, seed, size=size, decibels=decibels)
-    rows = []
-    for name in WEIGHTS:
-        for t, V_t in flow.heat(V_noisy, operator(V_noisy, F, name), tau, time):
-            error = np.linalg.norm(V_t - V, axis=1) / unit
-            for part, where in (("missiles", missile), ("aircraft", ~missile)):
-                rows.append(
-                    {"weights": name, "time": t, "part": part, "error": error[where].mean()}
-                )
-    return pd.DataFrame(rows)
-
-
-def _raise_failures(table):
-    if "error" in table and table["error"].notna().any():
-        raise RuntimeError(f"a cell of the sweep failed: {table['error'].dropna().iloc[0]}")

@@ -1,28 +1,32 @@
 """Every filter on sharp and smooth meshes, with default, automatic and tuned parameters."""
 
+from __future__ import annotations
+
 import json
-from typing import NamedTuple
+from collections.abc import Sequence
+from os import PathLike
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import numpy as np
-
-from meshfair import denoising, flow
-from meshfair.checks import MeshError
-from meshfair.experiments.cases import WEIGHTS, add_noise, load_mesh, operator
-from meshfair.experiments.original import TAU, TIME, missile_vertices
-from meshfair.experiments.sweep import sweep
-from meshfair.mesh import mean_edge_length
+from meshfair import denoising
+from meshfair.checks import Floats, Integers
+from meshfair.experiments.meshes import load_mesh, load_noisy_mesh
+from meshfair.experiments.missiles import JET, part_errors
+from meshfair.experiments.sweep import check_finished, sweep
 from meshfair.metrics import compare
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 PARAMETERS = ("default", "auto", "tuned")
 
 
 class Pair(NamedTuple):
-    """A mesh that is published both clean and noisy."""
+    """A mesh that is published both without noise and with it."""
 
-    clean: str
-    """Its name in `meshfair.datasets.SOURCES`."""
+    ground_truth: str
+    """The name in `meshfair.datasets.SOURCES` of the one without noise."""
     noisy: str
-    """As before."""
+    """The name there of the one with noise."""
     size: float
     """The noise of the noisy one, in mean edge lengths."""
 
@@ -33,8 +37,8 @@ PAIRS = {
 }
 
 
-def noisy_and_clean(mesh, size, seed):
-    """A noisy mesh and its clean one.
+def noisy_pair(mesh: str, size: float, seed: int) -> tuple[Floats, Floats, Integers]:
+    """A noisy mesh and its ground truth.
 
     Parameters
     ----------
@@ -44,7 +48,7 @@ def noisy_and_clean(mesh, size, seed):
     size : float
         Noise along the normals, as a fraction of the mean edge length; unused for a pair.
     seed : int
-        As before.
+        Of the noise; unused for a pair.
 
     Returns
     -------
@@ -57,23 +61,24 @@ def noisy_and_clean(mesh, size, seed):
         A mesh that ``make data`` has not fetched.
     """
     if mesh in PAIRS:
-        (V, F), (V_noisy, _) = load_mesh(PAIRS[mesh].clean), load_mesh(PAIRS[mesh].noisy)
+        (V, F), (V_noisy, _) = load_mesh(PAIRS[mesh].ground_truth), load_mesh(PAIRS[mesh].noisy)
         return V_noisy, V, F
-    V, F = load_mesh(mesh)
-    return add_noise(V, F, "normals", seed, size=size), V, F
+    return load_noisy_mesh(mesh, "normals", seed, size=size)
 
 
-def denoised(mesh, method, parameters, size, seed):
+def denoised(
+    mesh: str, method: str, parameters: str, size: float, seed: int
+) -> tuple[denoising.Denoised, Floats, Integers]:
     """One method on one noisy mesh.
 
     Parameters
     ----------
     mesh, size, seed
-        As in `noisy_and_clean`.
+        As in `noisy_pair`.
     method : str
         One of `meshfair.denoising.methods`.
     parameters : {"default", "auto", "tuned"}
-        Tuned ones are those that come closest to the clean mesh on another draw of
+        Tuned ones are those that come closest to the ground truth on another draw of
         the noise, with seed + 1; here they only prove themselves.
 
     Returns
@@ -82,15 +87,16 @@ def denoised(mesh, method, parameters, size, seed):
     V_true : ndarray of float64, shape (n, 3)
     F : ndarray of int64, shape (m, 3)
     """
-    V_noisy, V, F = noisy_and_clean(mesh, size, seed)
+    V_noisy, V, F = noisy_pair(mesh, size, seed)
     if parameters == "tuned":
-        other = add_noise(V, F, "normals", seed + 1, size=size)
+        name = PAIRS[mesh].ground_truth if mesh in PAIRS else mesh
+        other, _, _ = load_noisy_mesh(name, "normals", seed + 1, size=size)
         chosen = denoising.tune(other, F, method, V).parameters
         return denoising.denoise(V_noisy, F, method, **chosen), V, F
     return denoising.denoise(V_noisy, F, method, parameters=parameters), V, F
 
 
-def score(mesh, method, parameters, size, seed):
+def score(mesh: str, method: str, parameters: str, size: float, seed: int) -> dict[str, Any]:
     """Every metric of one method on one noisy mesh; "none" leaves the mesh noisy.
 
     Parameters
@@ -101,92 +107,40 @@ def score(mesh, method, parameters, size, seed):
     Returns
     -------
     dict
-        What `measured` returns, and used, the parameters as JSON, and seconds.
+        Those of `meshfair.metrics.compare`; on the jet missile_error, see
+        `meshfair.experiments.part_errors`; and used, the parameters as JSON, and seconds.
     """
     if method == "none":
-        V_noisy, V, F = noisy_and_clean(mesh, size, seed)
-        return measured(mesh, V_noisy, V, F) | {"used": "{}", "seconds": 0.0}
-    result, V, F = denoised(mesh, method, parameters, size, seed)
-    used = {name: value for name, value in result.parameters.items() if name != "fixed"}
-    facts = {"used": json.dumps(used), "seconds": result.seconds}
-    return measured(mesh, result.V, V, F) | facts
+        X, V, F = noisy_pair(mesh, size, seed)
+        facts: dict[str, Any] = {"used": "{}", "seconds": 0.0}
+    else:
+        result, V, F = denoised(mesh, method, parameters, size, seed)
+        X = result.V
+        used = {name: value for name, value in result.parameters.items() if name != "fixed"}
+        facts = {"used": json.dumps(used), "seconds": result.seconds}
+    missiles = {"missile_error": part_errors(X, V, F)["missiles"]} if mesh == JET else {}
+    return compare(X, F, V, F) | missiles | facts
 
 
-def measured(mesh, V_new, V, F):
-    """Every metric; on the jet, how far its missiles are off, too.
-
-    Parameters
-    ----------
-    mesh : str
-    V_new, V : ndarray of float64, shape (n, 3)
-        Denoised and clean.
-    F : ndarray of int64, shape (m, 3)
-
-    Returns
-    -------
-    dict
-        Those of `meshfair.metrics.compare`, and on the jet `missile_error`.
-    """
-    metrics = compare(V_new, F, V, F)
-    if mesh == "jet":
-        metrics["missile_error"] = missile_error(V_new, V, F)
-    return metrics
-
-
-def missile_error(V_new, V, F):
-    """How far the jet's missiles are off.
-
-    Parameters
-    ----------
-    V_new, V : ndarray of float64, shape (n, 3)
-        Denoised and clean.
-    F : ndarray of int64, shape (m, 3)
-
-    Returns
-    -------
-    float
-        Mean distance of the missiles' vertices from their clean places, in mean edge lengths.
-    """
-    distance = np.linalg.norm(V_new - V, axis=1)[missile_vertices()]
-    return float(distance.mean() / mean_edge_length(V, F))
-
-
-def averaging_for_missiles(size=0.2, seed=0, *, tau=TAU, time=TIME):
-    """The seed's three heat flows on the jet, each stopped when its missiles are best.
-
-    Parameters
-    ----------
-    size, seed
-        As in `quality`, with the same noise.
-    tau, time : float
-        Step and longest time.
-
-    Returns
-    -------
-    pandas.DataFrame
-        weights, time, and what `measured` returns.
-    """
-    import pandas as pd
-
-    V_noisy, V, F = noisy_and_clean("jet", size, seed)
-    rows = []
-    for name in WEIGHTS:
-        states = flow.heat(V_noisy, operator(V_noisy, F, name), tau, time)
-        best, X = min(states, key=lambda state: missile_error(state[1], V, F))
-        rows.append({"weights": name, "time": best} | measured("jet", X, V, F))
-    return pd.DataFrame(rows)
-
-
-def quality(meshes, size=0.2, seed=0, *, methods=None, path=None, progress=False):
+def quality(
+    meshes: Sequence[str],
+    size: float = 0.2,
+    seed: int = 0,
+    *,
+    methods: Sequence[str] | None = None,
+    path: str | PathLike[str] | None = None,
+    progress: bool = False,
+) -> pd.DataFrame:
     """Every method on several meshes, with each way to choose parameters.
 
     Parameters
     ----------
     meshes : sequence of str
-        As in `noisy_and_clean`.
+        As in `noisy_pair`.
     size : float
         Noise of the meshes that are not pairs.
     seed : int
+        Of the noise.
     methods : sequence of str, optional
         All, if not given.
     path, progress
@@ -200,7 +154,7 @@ def quality(meshes, size=0.2, seed=0, *, methods=None, path=None, progress=False
 
     Raises
     ------
-    MeshError
+    RuntimeError
         A method failed; the message says which and why.
     """
     import pandas as pd
@@ -214,7 +168,5 @@ def quality(meshes, size=0.2, seed=0, *, methods=None, path=None, progress=False
             grid = common | {"method": which, "parameters": ways}
             parts.append(sweep(grid, path=path, progress=progress))
     table = pd.concat(parts, ignore_index=True)
-    if "error" in table and table["error"].notna().any():
-        failed = table[table["error"].notna()].iloc[0]
-        raise MeshError(f"{failed['method']} failed on {failed['mesh']}: {failed['error']}")
+    check_finished(table)
     return table

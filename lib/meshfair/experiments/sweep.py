@@ -1,20 +1,35 @@
 """One loop for every experiment: a grid of parameters, a row for each cell."""
 
+from __future__ import annotations
+
 import hashlib
 import itertools
 import json
 import os
-from concurrent.futures import as_completed
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Executor, as_completed
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
-import pandas as pd
-from tqdm import tqdm
 
-from meshfair.experiments import cases
+from meshfair.experiments.meshes import load_mesh
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Experiment = Callable[..., Mapping[str, Any]]
+Row = dict[str, Any]
+Cell = dict[str, Any]
 
 
-def sweep(grid, executor=None, *, path=None, progress=True):
+def sweep(
+    grid: Mapping[str, Any],
+    executor: Executor | None = None,
+    *,
+    path: str | os.PathLike[str] | None = None,
+    progress: bool = True,
+) -> pd.DataFrame:
     """Run an experiment on every combination of parameters; a row for each.
 
     Parameters
@@ -24,7 +39,7 @@ def sweep(grid, executor=None, *, path=None, progress=True):
         value of each axis by name and returns a dict, the row's results. Every
         other entry is an axis: a list or tuple of values, or one value (text
         is one value). Values are numbers, text, booleans or None; an axis
-        named ``mesh`` holds names for `meshfair.experiments.cases.load_mesh`.
+        named ``mesh`` holds names for `meshfair.experiments.load_mesh`.
     executor : concurrent.futures.Executor, optional
         Where the cells run: a ``ProcessPoolExecutor``, dask's
         ``client.get_executor()``, an ``MPIPoolExecutor``, ... By default they
@@ -48,6 +63,9 @@ def sweep(grid, executor=None, *, path=None, progress=True):
     ValueError
         No function under ``experiment``, or no cell.
     """
+    import pandas as pd
+    from tqdm import tqdm
+
     grid = dict(grid)
     experiment = grid.pop("experiment", None)
     if not callable(experiment):
@@ -78,12 +96,33 @@ def sweep(grid, executor=None, *, path=None, progress=True):
     return pd.DataFrame([_row(cell, finished[key]) for cell, key in zip(cells, keys, strict=True)])
 
 
-def _row(cell, finished):
+def check_finished(table: pd.DataFrame) -> None:
+    """Raise an error if a cell of a sweep failed.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        From `sweep`.
+
+    Raises
+    ------
+    RuntimeError
+        With the first failed cell's parameters and message.
+    """
+    if "error" in table and table["error"].notna().any():
+        cell = table[table["error"].notna()].iloc[0].dropna()  # it has no results
+        at = ", ".join(f"{name} {value}" for name, value in cell.drop("error").items())
+        raise RuntimeError(f"a cell of the sweep failed ({at}): {cell['error']}")
+
+
+def _row(cell: Cell, finished: Row) -> Row:
     error = {"error": finished["error"]} if "error" in finished else {}
     return {**cell, **finished.get("result", {}), **error}
 
 
-def _run(experiment, waiting, executor):
+def _run(
+    experiment: Experiment, waiting: dict[str, Cell], executor: Executor | None
+) -> Iterator[tuple[str, Row]]:
     """Yield (key, row) as the cells finish."""
     if executor is None:
         for key, cell in waiting.items():
@@ -98,7 +137,7 @@ def _run(experiment, waiting, executor):
         yield futures[future], row
 
 
-def _attempt(experiment, cell):
+def _attempt(experiment: Experiment, cell: Cell) -> Row:
     """Run one cell; a failure is a row too, so that it costs no other cell."""
     try:
         return {"result": {k: _plain(v) for k, v in experiment(**cell).items()}}
@@ -106,11 +145,11 @@ def _attempt(experiment, cell):
         return {"error": f"{type(error).__name__}: {error}"}
 
 
-def _plain(value):
+def _plain(value: Any) -> Any:
     return value.item() if isinstance(value, np.generic) else value
 
 
-def _key(experiment, cell):
+def _key(experiment: Experiment, cell: Cell) -> str:
     """What a row is kept under: the experiment, its parameters, and the mesh's own bytes."""
     text = json.dumps([experiment.__module__, experiment.__qualname__, cell], sort_keys=True)
     digest = hashlib.sha256(text.encode())
@@ -119,15 +158,15 @@ def _key(experiment, cell):
     return digest.hexdigest()[:24]
 
 
-def _mesh_digest(name):
+def _mesh_digest(name: str) -> bytes:
     try:
-        V, F = cases.load_mesh(name)
+        V, F = load_mesh(name)
     except Exception:
         return b"no mesh"  # the cell itself will say what is wrong with it
     return hashlib.sha256(V.tobytes() + F.tobytes()).digest()
 
 
-def _read(path):
+def _read(path: str | os.PathLike[str]) -> dict[str, Row]:
     """The rows that an earlier sweep finished; a line cut short by a kill is none."""
     path = Path(path)
     if not path.exists():
@@ -145,23 +184,23 @@ def _read(path):
 class _Journal:
     """Appends rows to a file, each on the disk before the next cell's."""
 
-    def __init__(self, path):
+    def __init__(self, path: str | os.PathLike[str] | None) -> None:
         self._path = path
+        self._file: BinaryIO | None = None
 
-    def __enter__(self):
-        self._file = None
+    def __enter__(self) -> _Journal:
         if self._path:
             Path(self._path).parent.mkdir(parents=True, exist_ok=True)
             self._file = open(self._path, "ab")
             self._file.write(b"\n")  # ends a line that a kill left unfinished
         return self
 
-    def append(self, row):
+    def append(self, row: Row) -> None:
         if self._file:
             self._file.write(json.dumps(row).encode() + b"\n")
             self._file.flush()
             os.fsync(self._file.fileno())
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         if self._file:
             self._file.close()

@@ -8,14 +8,17 @@ left out: normals, colours, texture, weights, materials, lines and points.
 import gzip
 import logging
 import warnings
+from os import PathLike
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from meshfair.checks import MeshWarning, check_mesh, check_vertices
+from meshfair.checks import Floats, Integers, MeshWarning, check_mesh, check_vertices
 from meshfair.io import obj, off, ply, stl
+from meshfair.io.errors import MeshFileError, file_error
 from meshfair.io.faces import check_corners, fan
-from meshfair.io.faults import MeshFileError, fault
 from meshfair.io.opening import decompressed, open_regular
 from meshfair.io.saving import replace_file
 
@@ -26,7 +29,7 @@ FORMATS = {".obj": obj, ".off": off, ".ply": ply, ".stl": stl}
 log = logging.getLogger(__name__)
 
 
-def read(path, *, weld_stl=False):
+def read(path: str | PathLike[str], *, weld_stl: bool = False) -> tuple[Floats, Integers]:
     """Read a triangle mesh.
 
     Parameters
@@ -76,8 +79,8 @@ def read(path, *, weld_stl=False):
     return _welded(path, V, F, weld_stl) if module is stl else (V, F)
 
 
-def write(path, V, F, *, binary=True):
-    """Write a triangle mesh; after any fault the old file or the new one is whole.
+def write(path: str | PathLike[str], V: ArrayLike, F: ArrayLike, *, binary: bool = True) -> None:
+    """Write a triangle mesh; after any failure the old file or the new one is whole.
 
     Coordinates come back from `read` bit by bit, except that a binary STL holds
     them in float32.
@@ -111,18 +114,20 @@ def write(path, V, F, *, binary=True):
         raise MeshFileError(f"{path}: {error}") from None
 
 
-def _format(path):
+def _format(path: Path) -> tuple[ModuleType, bool]:
     """The module for a file's ending, and whether it is compressed."""
     name = path.name.lower()
     ending = Path(name.removesuffix(".gz")).suffix
     if ending not in FORMATS:
         known = f"{', '.join(FORMATS)}, or one of them and .gz, was expected"
-        raise fault("name", f"the ending {ending!r}", known, "name it by what it is, or convert it")
+        raise file_error(
+            "name", f"the ending {ending!r}", known, "name it by what it is, or convert it"
+        )
     return FORMATS[ending], name.endswith(".gz")
 
 
-def _welded(path, V, F, weld):
-    """The triangles of an STL with or without shared vertices; what was done is told."""
+def _welded(path: Path, V: Floats, F: Integers, weld: bool) -> tuple[Floats, Integers]:
+    """The triangles of an STL with or without shared vertices; what was done is reported."""
     if not weld:
         warnings.warn(
             f"{path}: an STL file shares no vertices, so each of the {len(F)} triangles has three "

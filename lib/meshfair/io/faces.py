@@ -1,18 +1,22 @@
 """Faces of any number of corners: their check, and their cutting into triangles."""
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
-from meshfair.io.faults import fault
+from meshfair.checks import Integers
+from meshfair.io.errors import file_error
 
 
-def spans(starts, counts):
+def spans(starts: Integers, counts: Integers) -> Integers:
     """The positions start, start + 1, ... of runs of given lengths, one run after another."""
     before = np.cumsum(counts) - counts
     return np.repeat(starts - before, counts) + np.arange(counts.sum())
 
 
-def check_corners(corners, counts, n):
-    """Raise a fault unless there are faces, of three corners or more, and all are vertices.
+def check_corners(corners: NDArray[Any], counts: Integers, n: int) -> None:
+    """Raise an error unless there are faces, of three corners or more, and all are vertices.
 
     Parameters
     ----------
@@ -24,10 +28,12 @@ def check_corners(corners, counts, n):
         Number of vertices.
     """
     if not len(counts):
-        raise fault("faces", "there are none", "a mesh has at least one", "export a surface mesh")
+        raise file_error(
+            "faces", "there are none", "a mesh has at least one", "export a surface mesh"
+        )
     if counts.min() < 3:
         face = np.argmax(counts < 3)
-        raise fault(f"face {face}", f"{counts[face]} corners", "a face has three or more")
+        raise file_error(f"face {face}", f"{counts[face]} corners", "a face has three or more")
     fits = (corners >= 0) & (corners < n)
     if corners.dtype.kind == "f":
         fits &= corners == np.floor(corners)
@@ -35,10 +41,10 @@ def check_corners(corners, counts, n):
         corner = np.argmin(fits)
         face = np.searchsorted(np.cumsum(counts), corner, side="right")
         found = f"vertex index {corners[corner]}"
-        raise fault(f"face {face}", found, f"the file has {n} vertices (0 to {n - 1})")
+        raise file_error(f"face {face}", found, f"the file has {n} vertices (0 to {n - 1})")
 
 
-def fan(corners, counts):
+def fan(corners: Integers, counts: Integers) -> Integers:
     """Triangles of each face: its first corner with each edge that does not touch it.
 
     Parameters

@@ -1,12 +1,14 @@
 """Wavefront OBJ: lines of a keyword and its values; vertices are counted from 1."""
 
 import re
+from typing import BinaryIO
 
 import numpy as np
 
-from meshfair.io.faults import fault
+from meshfair.checks import Floats, Integers
+from meshfair.io.errors import file_error
 from meshfair.io.opening import check_content
-from meshfair.io.text import Lines, clean, encode_rows, is_blank
+from meshfair.io.text import Lines, encode_rows, is_blank, normalised_text
 
 # The rest of the format is not part of a triangle mesh, and is skipped. Subdivision
 # tools added t, and skinning tools vw.
@@ -22,7 +24,7 @@ VALUES_OF_VERTEX = (3, 4, 6, 7, 8)
 TEXTURE_AND_NORMAL = re.compile(rb"/(?<=\d/)(?:[-+]?\d+)?(?:/(?:[-+]?\d+)?)?(?=\s)")
 
 
-def parse(stream):
+def parse(stream: BinaryIO) -> tuple[Floats, Integers, Integers]:
     """Read vertices and polygons from a stream of bytes.
 
     Returns
@@ -32,7 +34,7 @@ def parse(stream):
         The polygons, as in `meshfair.io.faces.check_corners`.
     """
     check_content(stream, "OBJ")
-    text = clean(stream.read())
+    text = normalised_text(stream.read())
     lines = Lines(text.replace(b"\\\n", b"  "), original=text)
     letter, next_code = lines.codes[lines.begin], lines.codes[lines.begin + 1]
     is_vertex = (letter == ord("v")) & is_blank(next_code)
@@ -46,13 +48,13 @@ def parse(stream):
     return V, *_faces(lines[is_face].without_letter(), vertices_before, len(V))
 
 
-def _vertices(lines):
+def _vertices(lines: Lines) -> Floats:
     fits = np.isin(lines.words, VALUES_OF_VERTEX)
     lines.require(fits, lines.words, "values of a vertex", "it has x, y and z")
     return lines.numbers()[lines.starts()[:, None] + np.arange(3)]
 
 
-def _faces(lines, vertices_before, n):
+def _faces(lines: Lines, vertices_before: Integers, n: int) -> tuple[Integers, Integers]:
     counts = lines.words
     lines.require(counts >= 3, counts, "corners of a face", "it has three or more")
     indices = lines.without(TEXTURE_AND_NORMAL).numbers(np.int64)
@@ -62,12 +64,12 @@ def _faces(lines, vertices_before, n):
     fits = (indices != 0) & (corners >= 0) & (corners < n)
     if not fits.all():
         corner = np.argmin(fits)
-        line = np.searchsorted(np.cumsum(counts), corner, side="right")
+        line = int(np.searchsorted(np.cumsum(counts), corner, side="right"))
         known = f"the file has {n} vertices (1 to {n}), {before[corner]} of them before this line"
-        raise fault(lines.place(line), f"vertex index {indices[corner]}", known)
+        raise file_error(lines.place(line), f"vertex index {indices[corner]}", known)
     return corners, counts
 
 
-def encode(V, F, binary):
+def encode(V: Floats, F: Integers, binary: bool) -> bytes:
     """The bytes of a file; this format has no binary form."""
     return encode_rows("v %r %r %r\n", V) + encode_rows("f %d %d %d\n", F + 1)

@@ -1,13 +1,16 @@
 """Object File Format: a header, one line for each vertex, one line for each face."""
 
 import re
+from typing import Any, BinaryIO
 
 import numpy as np
+from numpy.typing import NDArray
 
+from meshfair.checks import Floats, Integers
+from meshfair.io.errors import file_error, quoted
 from meshfair.io.faces import spans
-from meshfair.io.faults import fault, quoted
 from meshfair.io.opening import check_content
-from meshfair.io.text import Lines, clean, encode_rows
+from meshfair.io.text import Lines, encode_rows, normalised_text
 
 # The letters of the keyword tell what more each vertex has, in whatever order
 # programs write them. The keyword may be left out, or the blank behind it.
@@ -17,24 +20,26 @@ HEADER = re.compile(
 )
 
 
-def parse(stream):
+def parse(stream: BinaryIO) -> tuple[Floats, NDArray[Any], Integers]:
     """Read vertices and polygons from a stream of bytes; returns as `obj.parse`."""
     check_content(stream, "OFF")
-    text = clean(stream.read())
+    text = normalised_text(stream.read())
     header = HEADER.match(text)
     if not header:
         wanted = "OFF and the numbers of vertices, faces and edges were expected, and text"
-        raise fault("header", f"found {quoted(text.strip())}", wanted)
+        raise file_error("header", f"found {quoted(text.strip())}", wanted)
     more, n, m = header["more"] or b"", int(header["n"]), int(header["m"])
     columns = 3 + (b"4" in more) + 3 * (b"N" in more) + 2 * (b"ST" in more)
     rows = re.sub(rb"\S", b" ", header[0]) + text[header.end() :]  # lines keep their numbers
     lines = Lines(rows).as_rows([(n, columns * [False]), (m, [True])])
     if len(lines) != n + m:
-        raise fault("header", f"{n} vertices and {m} faces announced", f"{len(lines)} lines follow")
+        raise file_error(
+            "header", f"{n} vertices and {m} faces announced", f"{len(lines)} lines follow"
+        )
     return _vertices(lines[:n], columns, more), *_faces(lines[n:])
 
 
-def _vertices(lines, columns, more):
+def _vertices(lines: Lines, columns: int, more: bytes) -> Floats:
     # A colour of 3 or 4 values is found in files that announce none, too.
     allowed = (columns + 3, columns + 4) if b"C" in more else (columns, columns + 3, columns + 4)
     expected = f"it has {columns}, and a colour of 3 or 4"
@@ -46,7 +51,7 @@ def _vertices(lines, columns, more):
     return numbers[starts[:, None] + np.arange(3)]
 
 
-def _faces(lines):
+def _faces(lines: Lines) -> tuple[NDArray[Any], Integers]:
     # Colours may be fractions; all other numbers are integers, which are read faster.
     has_fractions = np.isin(lines.codes, list(b".eE")).any()
     numbers = lines.numbers(np.float64 if has_fractions else np.int64)
@@ -58,7 +63,7 @@ def _faces(lines):
     return numbers[spans(starts + 1, counts)], counts
 
 
-def encode(V, F, binary):
+def encode(V: Floats, F: Integers, binary: bool) -> bytes:
     """The bytes of a file; the binary form of this format is hardly known."""
     header = b"OFF\n%d %d 0\n" % (len(V), len(F))
     return header + encode_rows("%r %r %r\n", V) + encode_rows("3 %d %d %d\n", F)

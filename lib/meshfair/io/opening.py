@@ -5,8 +5,10 @@ import gzip
 import io
 import re
 import zlib
+from pathlib import Path
+from typing import BinaryIO
 
-from meshfair.io.faults import fault, quoted
+from meshfair.io.errors import file_error, quoted
 
 # Meshes shrink 3 to 30 times when packed. What grows far more is no mesh, and
 # would fill the memory.
@@ -38,33 +40,33 @@ SIGNATURES = {
 }
 
 
-def open_regular(path):
+def open_regular(path: Path) -> BinaryIO:
     """Open a regular file for reading; reading from a pipe or device may never end."""
     try:
         if path.is_file():
             return path.open("rb")
         found = "it is a folder, pipe or device" if path.exists() else "there is no such file"
     except OSError as error:
-        found = error.strerror
-    raise fault("opening", found, "a regular file was expected", "check the path")
+        found = str(error.strerror)
+    raise file_error("opening", found, "a regular file was expected", "check the path")
 
 
-def check_content(stream, *expected):
-    """The kind that a stream begins like, if any; a fault if it is not an expected one."""
+def check_content(stream: BinaryIO, *expected: str) -> str | None:
+    """The kind that a stream begins like, if any; an error if it is not an expected one."""
     head = stream.read(4096)
     stream.seek(0)
     if not head:
-        raise fault("byte 0", "the file is empty", f"{expected[0]} was expected")
+        raise file_error("byte 0", "the file is empty", f"{expected[0]} was expected")
     beginning = head.removeprefix(codecs.BOM_UTF8)
     kind = next((kind for kind, sign in SIGNATURES.items() if re.search(sign, beginning)), None)
     if kind not in (None, *expected):
         found = f"the file looks like {kind} and begins with {quoted(head)}"
         advice = "name it by what it is, or download or export it again"
-        raise fault("byte 0", found, f"{expected[0]} was expected", advice)
+        raise file_error("byte 0", found, f"{expected[0]} was expected", advice)
     return kind
 
 
-def decompressed(file):
+def decompressed(file: BinaryIO) -> BinaryIO:
     """The content of a gzip file as a stream, unless it grows beyond reason."""
     check_content(file, GZIP)
     content = io.BytesIO()
@@ -73,13 +75,15 @@ def decompressed(file):
         while piece := unpacked.read(PIECE):
             content.write(piece)
             if content.tell() > max(NEVER_TOO_LARGE, LARGEST_RATIO * file.tell()):
-                raise fault(
+                raise file_error(
                     f"byte {file.tell()}",
                     f"it has grown to {content.tell()} bytes when unpacked",
                     "a mesh would be smaller",
                     "unpack it with gunzip if it is to be trusted",
                 )
     except (EOFError, zlib.error, gzip.BadGzipFile) as error:
-        raise fault(f"byte {file.tell()}", str(error), "whole gzip data was expected") from None
+        raise file_error(
+            f"byte {file.tell()}", str(error), "whole gzip data was expected"
+        ) from None
     content.seek(0)
     return content

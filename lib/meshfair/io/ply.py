@@ -7,19 +7,26 @@ list: its length and its numbers. Rows are text, or binary in either byte order.
 import re
 from collections import Counter
 from itertools import product
-from typing import NamedTuple
+from typing import Any, BinaryIO, Literal, NamedTuple, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
+from meshfair.checks import Booleans, Floats, Integers
+from meshfair.io.errors import file_error, quoted
 from meshfair.io.faces import spans
-from meshfair.io.faults import fault, quoted
 from meshfair.io.opening import check_content
-from meshfair.io.text import Lines, clean, encode_rows
+from meshfair.io.text import Lines, encode_rows, normalised_text
 
-ORDERS = {"ascii": None, "binary_little_endian": "little", "binary_big_endian": "big"}
+Order: TypeAlias = Literal["little", "big"]
+ORDERS: dict[str, Order | None] = {
+    "ascii": None,
+    "binary_little_endian": "little",
+    "binary_big_endian": "big",
+}
 OLD_NAMES = ["char", "uchar", "short", "ushort", "int", "uint", "float", "double"]
 NAMES = ["int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"]
-TYPES = {name: np.dtype(name) for name in (*NAMES, "int64", "uint64")}
+TYPES: dict[str, np.dtype[Any]] = {name: np.dtype(name) for name in (*NAMES, "int64", "uint64")}
 TYPES |= {old: TYPES[name] for old, name in zip(OLD_NAMES, NAMES, strict=True)}
 
 
@@ -27,8 +34,8 @@ class Property(NamedTuple):
     """One column of an element; ``length`` is the type of a list's length, else None."""
 
     name: str
-    dtype: np.dtype
-    length: np.dtype | None = None
+    dtype: np.dtype[Any]
+    length: np.dtype[Any] | None = None
 
 
 class Element(NamedTuple):
@@ -39,43 +46,44 @@ class Element(NamedTuple):
     properties: list[Property]
 
 
-def parse(stream):
+def parse(stream: BinaryIO) -> tuple[Floats, NDArray[Any], Integers]:
     """Read vertices and polygons from a stream of bytes; returns as `obj.parse`."""
     check_content(stream, "PLY")
     data = stream.read()
     at = _end_of_header(data)
-    header = Lines(clean(data[:at]))
+    header = Lines(normalised_text(data[:at]))
     order, elements = _header(header)
-    element, corners = _names_of_faces(elements)
+    element, name = _names_of_faces(elements)
     if order:
         tables = _binary_tables(data, at, elements, order)
     else:
-        tables = _text_tables(Lines(clean(data))[len(header) :], elements)
+        tables = _text_tables(Lines(normalised_text(data))[len(header) :], elements)
     V = np.column_stack([tables["vertex"][axis][0] for axis in "xyz"])
-    corners, counts = tables[element][corners]
+    corners, counts = tables[element][name]
     if element == "tristrips":
         corners, counts = _strips(corners.astype(np.float64), counts)
     return V.astype(np.float64), corners, counts
 
 
-def _end_of_header(data):
+def _end_of_header(data: bytes) -> int:
     """Where the rows start: after a line end, of the first line's kind if there is one.
 
     Binary rows may start with a byte that looks like the rest of another kind.
     """
     first = re.match(rb"(?:\xef\xbb\xbf)?\s*ply[ \t]*(\r\n|\r|\n)", data)
     if not first:
-        raise fault("line 1", f"found {quoted(data)}", "a PLY file starts with the line ply")
+        raise file_error("line 1", f"found {quoted(data)}", "a PLY file starts with the line ply")
     end = rb"[\r\n][ \t]*end_header[ \t]*(?:%b|\r\n|\r|\n|\Z)" % first[1]
     last = re.search(end, data)
     if not last:
-        raise fault("header", "it does not end", "the line end_header closes it")
+        raise file_error("header", "it does not end", "the line end_header closes it")
     return last.end()
 
 
-def _header(lines):
+def _header(lines: Lines) -> tuple[Order | None, list[Element]]:
     """The byte order (None for text) and the elements that a header announces."""
-    orders, elements = [], []
+    orders: list[Order | None] = []
+    elements: list[Element] = []
     for i, line in enumerate(lines.split()):
         match [word.decode("latin-1") for word in line]:
             case ["ply"] | ["end_header"] | ["comment" | "obj_info", *_]:
@@ -91,22 +99,23 @@ def _header(lines):
             ):
                 elements[-1].properties.append(Property(name, TYPES[dtype], TYPES[length]))
             case _:
-                raise fault(
+                raise file_error(
                     f"header, {lines.place(i)}",
                     f"found {quoted(b' '.join(line))}",
                     "one 'format ascii 1.0' or a binary one, 'element NAME COUNT', 'property TYPE "
                     "NAME' or 'property list INTEGER-TYPE TYPE NAME' was expected",
                 )
     if not orders:
-        raise fault("header", "no line tells the format", "one like 'format ascii 1.0' has to")
-    for things in filter(None, [elements, *(element.properties for element in elements)]):
-        ((name, times),) = Counter(thing.name for thing in things).most_common(1)
+        raise file_error("header", "no line tells the format", "one like 'format ascii 1.0' has to")
+    names = [[e.name for e in elements], *([p.name for p in e.properties] for e in elements)]
+    for group in filter(None, names):
+        ((name, times),) = Counter(group).most_common(1)
         if times > 1:
-            raise fault("header", f"{name!r} is announced {times} times", "once was expected")
+            raise file_error("header", f"{name!r} is announced {times} times", "once was expected")
     return orders[0], [element for element in elements if element.properties]
 
 
-def _names_of_faces(elements):
+def _names_of_faces(elements: list[Element]) -> tuple[str, str]:
     """The element of faces or strips and its list of corners, if there are vertices, too."""
     numbers = {(e.name, p.name) for e in elements for p in e.properties if p.length is None}
     lists = {(e.name, p.name) for e in elements for p in e.properties if p.length is not None}
@@ -114,7 +123,7 @@ def _names_of_faces(elements):
         if names in lists and numbers.issuperset(("vertex", axis) for axis in "xyz"):
             return names
     announced = [(e.name, *(p.name for p in e.properties)) for e in elements]
-    raise fault(
+    raise file_error(
         "header",
         f"the elements and their properties are {announced}",
         "vertex with numbers x, y and z, and face with a list vertex_indices are needed",
@@ -122,7 +131,7 @@ def _names_of_faces(elements):
     )
 
 
-def _strips(corners, counts):
+def _strips(corners: Floats, counts: Integers) -> tuple[Floats, Integers]:
     """Triangles of strips, which end at -1 and at the end of a row.
 
     Each corner after the first two of a strip makes a triangle with the two
@@ -140,9 +149,10 @@ def _strips(corners, counts):
 
 # A table has for each property the numbers of all rows, one after another, and
 # how many each row has.
+Table: TypeAlias = dict[str, tuple[NDArray[Any], Integers]]
 
 
-def _text_tables(lines, elements):
+def _text_tables(lines: Lines, elements: list[Element]) -> dict[str, Table]:
     """The table of each element, from one line for each row."""
     lines = lines[lines.first_words(len("comment ")) != b"comment"]
     lines = lines.as_rows(
@@ -152,16 +162,17 @@ def _text_tables(lines, elements):
         announced = " and ".join(
             f"{element.rows} rows of element {element.name!r}" for element in elements
         )
-        raise fault("header", f"{announced} announced", f"{len(lines)} lines follow")
-    tables, at = {}, 0
+        raise file_error("header", f"{announced} announced", f"{len(lines)} lines follow")
+    tables: dict[str, Table] = {}
+    at = 0
     for element in elements:
         tables[element.name] = _text_table(lines[at : at + element.rows], element)
         at += element.rows
     return tables
 
 
-def _text_table(lines, element):
-    def check(fits):
+def _text_table(lines: Lines, element: Element) -> Table:
+    def check(fits: Booleans) -> None:
         found = f"values in a row of element {element.name!r}"
         lines.require(fits, lines.words, found, "its properties take another number of them")
 
@@ -182,7 +193,7 @@ def _text_table(lines, element):
     return table
 
 
-def _binary_tables(data, at, elements, order):
+def _binary_tables(data: bytes, at: int, elements: list[Element], order: Order) -> dict[str, Table]:
     """The table of each element, from rows that start at byte ``at``."""
     tables = {}
     for element in elements:
@@ -191,14 +202,16 @@ def _binary_tables(data, at, elements, order):
             found = (
                 f"{element.rows} rows of element {element.name!r}, of {least} bytes or more each"
             )
-            raise fault(f"byte {at}", found, f"{len(data) - at} bytes are left")
+            raise file_error(f"byte {at}", found, f"{len(data) - at} bytes are left")
         tables[element.name], at = _binary_table(data, at, element, order)
     if data[at:].strip():
-        raise fault(f"byte {at}", f"{len(data) - at} bytes more", "the announced rows end here")
+        raise file_error(
+            f"byte {at}", f"{len(data) - at} bytes more", "the announced rows end here"
+        )
     return tables
 
 
-def _binary_table(data, at, element, order):
+def _binary_table(data: bytes, at: int, element: Element, order: Order) -> tuple[Table, int]:
     """One table, and the byte where it ends."""
     first, end = _rows_one_by_one(data, at, element, order, min(element.rows, 1))
     if element.rows < 2:
@@ -207,10 +220,12 @@ def _binary_table(data, at, element, order):
     return alike or _rows_one_by_one(data, at, element, order, element.rows)
 
 
-def _rows_alike(data, at, element, order, first):
+def _rows_alike(
+    data: bytes, at: int, element: Element, order: Order, first: Table
+) -> tuple[Table, int] | None:
     """All rows at once if their lists are as long as those of the first row, else None."""
     length_of = {name: len(values) for name, (values, _) in first.items()}
-    fields = []
+    fields: list[Any] = []
     for p in element.properties:
         if p.length is not None:
             fields.append((f"length of {p.name}", p.length))
@@ -228,9 +243,11 @@ def _rows_alike(data, at, element, order, first):
     return table, end
 
 
-def _rows_one_by_one(data, at, element, order, number):
-    """The table of so many rows, whatever the lengths of their lists, and where they end."""
-    pieces = {p.name: [] for p in element.properties}
+def _rows_one_by_one(
+    data: bytes, at: int, element: Element, order: Order, number: int
+) -> tuple[Table, int]:
+    """The table of this many rows, whatever the lengths of their lists, and where they end."""
+    pieces: dict[str, list[bytes]] = {p.name: [] for p in element.properties}
     for row in range(number):
         for p in element.properties:
             length = 1
@@ -240,7 +257,7 @@ def _rows_one_by_one(data, at, element, order, number):
             start, at = at, at + length * p.dtype.itemsize
             if not start <= at <= len(data):
                 found = f"row {row} of element {element.name!r} has a list of {length}"
-                raise fault(f"byte {start}", found, f"{len(data) - start} bytes are left")
+                raise file_error(f"byte {start}", found, f"{len(data) - start} bytes are left")
             pieces[p.name].append(data[start:at])
     table = {}
     for p in element.properties:
@@ -250,7 +267,7 @@ def _rows_one_by_one(data, at, element, order, number):
     return table, at
 
 
-def encode(V, F, binary):
+def encode(V: Floats, F: Integers, binary: bool) -> bytes:
     """The bytes of a file, with coordinates as float64."""
     header = (
         f"ply\nformat {'binary_little_endian' if binary else 'ascii'} 1.0\n"

@@ -1,4 +1,4 @@
-"""Writing so that after any fault the old file or the new one is there, and whole."""
+"""Writing so that after any failure the old file or the new one is there, and whole."""
 
 import contextlib
 import os
@@ -6,10 +6,10 @@ import secrets
 import stat
 from pathlib import Path
 
-from meshfair.io.faults import fault
+from meshfair.io.errors import file_error
 
 
-def replace_file(path, data):
+def replace_file(path: Path, data: bytes) -> None:
     """Write a new file next to the old one, and give it the name when it is on the disk.
 
     Parameters
@@ -31,7 +31,7 @@ def replace_file(path, data):
         old = target.stat() if target.exists() else None
         if old and not (stat.S_ISREG(old.st_mode) and os.access(target, os.W_OK)):
             found = "what has this name is read-only or no regular file"
-            raise fault("writing", found, "it would be replaced", "choose another name")
+            raise file_error("writing", found, "it would be replaced", "choose another name")
         with temporary.open("xb") as file:
             if old:
                 temporary.chmod(stat.S_IMODE(old.st_mode))
@@ -41,7 +41,9 @@ def replace_file(path, data):
         temporary.replace(target)
     except OSError as error:
         advice = "any old file is as it was; check the folder and the space left, then write again"
-        raise fault("writing", str(error.strerror), "the file has to be whole", advice) from None
+        raise file_error(
+            "writing", str(error.strerror), "the file has to be whole", advice
+        ) from None
     finally:
         with contextlib.suppress(OSError):
             temporary.unlink()

@@ -1,11 +1,13 @@
 """Stereolithography: triangles of three positions, in text or binary; no vertex is shared."""
 
 import re
+from typing import BinaryIO
 
 import numpy as np
 
+from meshfair.checks import Floats, Integers
 from meshfair.io import text
-from meshfair.io.faults import fault, quoted
+from meshfair.io.errors import file_error, quoted
 from meshfair.io.opening import check_content
 
 HEADER = 84  # bytes: 80 of anything, then the number of triangles
@@ -22,7 +24,7 @@ END = re.compile(rb"\s*end ?solid\b[^\n]*")
 NOTHING = re.compile(rb"\s*\Z")
 
 
-def parse(stream):
+def parse(stream: BinaryIO) -> tuple[Floats, Integers, Integers]:
     """Read triangles from a stream of bytes; returns as `obj.parse`, three vertices for each."""
     size = stream.seek(0, 2)
     stream.seek(0)
@@ -38,14 +40,15 @@ def parse(stream):
         kind = check_content(stream, "STL", "binary data")
         if kind == "binary data" or not (kind or head.isascii()):
             found = f"{announced} triangles announced, which makes {whole} bytes"
-            raise fault("header, byte 80", found, f"the file has {size}")
-        V = _corners(text.clean(stream.read()).lower())
+            raise file_error("header, byte 80", found, f"the file has {size}")
+        V = _corners(text.normalised_text(stream.read()).lower())
     return V, np.arange(len(V)), np.full(len(V) // 3, 3)
 
 
-def _corners(data):
+def _corners(data: bytes) -> Floats:
     """The positions in a text of lower case."""
-    corners, at = [], 0
+    corners: list[bytes] = []
+    at = 0
     while not NOTHING.match(data, at):
         at = _match(SOLID, data, at, "the line solid NAME")
         while facet := FACET.match(data, at):
@@ -55,29 +58,31 @@ def _corners(data):
     V = text.parse_numbers(b" ".join(corners), np.float64, 3 * len(corners))
     if V is None:
         k = next(k for k, c in enumerate(corners) if text.parse_numbers(c, np.float64, 3) is None)
-        raise fault(f"face {k // 3}", f"vertex {quoted(corners[k])}", "three numbers were expected")
+        raise file_error(
+            f"face {k // 3}", f"vertex {quoted(corners[k])}", "three numbers were expected"
+        )
     return V.reshape(-1, 3)
 
 
-def _match(pattern, data, at, expected):
+def _match(pattern: re.Pattern[bytes], data: bytes, at: int, expected: str) -> int:
     """Where the pattern ends that has to come next."""
     found = pattern.match(data, at)
     if not found:
         rest = data[at : at + 200].strip()
         place = text.line_at(data, data.find(rest, at))
-        raise fault(
+        raise file_error(
             place, f"found {quoted(rest) if rest else 'the end'}", f"{expected} has to follow"
         )
     return found.end()
 
 
-def encode(V, F, binary):
+def encode(V: Floats, F: Integers, binary: bool) -> bytes:
     """The bytes of a file; the normal of a triangle without area is zero."""
     too_large = np.abs(V).max(axis=1) > np.finfo(np.float32).max
     if too_large.any():
         i = np.argmax(too_large)
         advice = "scale the mesh, or write another format"
-        raise fault(f"vertex {i}", f"position {V[i]}", "STL holds values up to 3.4e38", advice)
+        raise file_error(f"vertex {i}", f"position {V[i]}", "STL holds values up to 3.4e38", advice)
     corners = V[F]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(normals, axis=1, keepdims=True)

@@ -4,31 +4,35 @@ import codecs
 import copy
 import re
 import warnings
+from collections.abc import Sequence
+from typing import Any, NoReturn, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
-from meshfair.io.faults import DAMAGED, fault, quoted
+from meshfair.checks import Booleans, Floats, Integers
+from meshfair.io.errors import DAMAGED, file_error, quoted
 
 COMMENT = re.compile(rb"#[^\n]*")
 
 
-def clean(data):
+def normalised_text(data: bytes) -> bytes:
     """Text with line feeds around every line, without byte-order mark and comments.
 
     Comments become blanks and no line is joined or dropped, so that what is
-    found in the text can be told by its line in the file. The last line has two
+    found in the text can be named by its line in the file. The last line has two
     line feeds: one is left where the other is joined to the next line.
     """
     data = data.removeprefix(codecs.BOM_UTF8).replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     return b"\n%b\n\n" % COMMENT.sub(lambda comment: b" " * len(comment[0]), data)
 
 
-def line_at(text, position):
-    """Where in the file a position of its repaired text is."""
+def line_at(text: bytes, position: int) -> str:
+    """Where in the file a position of its normalised text is."""
     return f"line {text.count(10, 0, position)}"
 
 
-def parse_numbers(text, dtype, size):
+def parse_numbers(text: bytes, dtype: type, size: int) -> NDArray[Any] | None:
     """The numbers of a text, or None if it is not exactly ``size`` of them between blanks."""
     if not size:
         return np.empty(0, dtype)  # np.fromstring finds a number where there is none
@@ -36,27 +40,27 @@ def parse_numbers(text, dtype, size):
         # NumPy before 2.3 only warns of a word that is no number.
         warnings.simplefilter("error", DeprecationWarning)
         try:
-            numbers = np.fromstring(text, dtype, sep=" ")
+            numbers: NDArray[Any] = np.fromstring(text, dtype, sep=" ")
         except (ValueError, DeprecationWarning):
             return None
     # It asks the locale what is blank, so the number of words may be another.
     return numbers if len(numbers) == size else None
 
 
-def is_blank(codes):
+def is_blank(codes: NDArray[np.uint8]) -> Booleans:
     """Which bytes are white space: 32, and 9 to 13 (smaller ones wrap around)."""
     return (codes == 32) | (codes - np.uint8(9) < 5)
 
 
 class Lines:
-    """The lines of a repaired text that are not blank.
+    """The lines of a normalised text that are not blank.
 
     Parameters
     ----------
     text : bytes
-        What `clean` returns, or the same with some bytes replaced.
+        What `normalised_text` returns, or the same with some bytes replaced.
     original : bytes, optional
-        What `clean` returned, where lines were joined since.
+        What `normalised_text` returned, where lines were joined since.
 
     Attributes
     ----------
@@ -68,7 +72,7 @@ class Lines:
         The number of words of each line.
     """
 
-    def __init__(self, text, original=None):
+    def __init__(self, text: bytes, original: bytes | None = None) -> None:
         codes = np.frombuffer(text, np.uint8)
         blank = is_blank(codes)
         word = np.flatnonzero(blank[:-1] & ~blank[1:]) + 1
@@ -79,10 +83,10 @@ class Lines:
         self.codes, self.begin = codes[skipped:], self._position - skipped
         self.words = words[words > 0]
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.begin)
 
-    def __getitem__(self, which):
+    def __getitem__(self, which: slice | Booleans) -> Self:
         """The lines that a slice or a mask chooses."""
         chosen = np.zeros(len(self), bool)
         chosen[which] = True
@@ -93,23 +97,30 @@ class Lines:
         lines.words, lines._position = self.words[chosen], self._position[chosen]
         return lines
 
-    def place(self, i):
+    def place(self, i: int) -> str:
         """Where line ``i`` is in the file."""
         return line_at(self._text, self._position[i])
 
-    def require(self, fits, values, found, expected, advice=DAMAGED):
-        """Raise a fault at the first line that does not fit; its value begins what is found."""
+    def require(
+        self,
+        fits: Booleans,
+        values: NDArray[Any],
+        found: str,
+        expected: str,
+        advice: str = DAMAGED,
+    ) -> None:
+        """Raise an error at the first line that does not fit; its value begins what is found."""
         if not np.all(fits):
-            i = np.argmin(fits)
+            i = int(np.argmin(fits))
             value = quoted(values[i]) if values.dtype.kind == "S" else values[i]
-            raise fault(self.place(i), f"{value} {found}", expected, advice)
+            raise file_error(self.place(i), f"{value} {found}", expected, advice)
 
-    def split(self):
+    def split(self) -> list[list[bytes]]:
         """The words of each line."""
         lines = self.codes.tobytes().split(b"\n")
         return [words for line in lines if (words := line.split())]
 
-    def as_rows(self, tables):
+    def as_rows(self, tables: Sequence[tuple[int, Sequence[bool]]]) -> Self:
         """The same words with one row a line, if the file breaks its lines elsewhere.
 
         Parameters
@@ -137,7 +148,7 @@ class Lines:
         lines._position = self._position[line]
         return lines
 
-    def first_words(self, length):
+    def first_words(self, length: int) -> NDArray[np.bytes_]:
         """The first word of each line, cut to a number of letters."""
         last = len(self.codes) - 1
         columns = [self.codes[np.minimum(self.begin + k, last)] for k in range(length)]
@@ -145,33 +156,35 @@ class Lines:
         letters[np.logical_or.accumulate(is_blank(letters), axis=1)] = 0
         return letters.view(f"S{length}").ravel()
 
-    def without_letter(self):
+    def without_letter(self) -> Self:
         """The same lines without the word of one letter that each starts with."""
         lines = copy.copy(self)
         lines.codes, lines.words = self.codes.copy(), self.words - 1
         lines.codes[lines.begin] = 32
         return lines
 
-    def without(self, pattern):
+    def without(self, pattern: re.Pattern[bytes]) -> "Lines":
         """The same lines without what a pattern matches, which is never a whole word."""
         lines = Lines(b"\n" + pattern.sub(b"", self.codes.tobytes()))
         lines._text, lines._position = self._text, self._position
         return lines
 
-    def starts(self):
+    def starts(self) -> Integers:
         """Where among all the numbers those of each line start."""
         return np.cumsum(self.words) - self.words
 
-    def numbers(self, dtype=np.float64):
-        """All the words as numbers, in one array; any other word is a fault."""
+    def numbers(self, dtype: type = np.float64) -> NDArray[Any]:
+        """All the words as numbers, in one array; any other word is an error."""
         numbers = self._parse(dtype)
-        return self._blame(dtype) if numbers is None else numbers
+        if numbers is None:
+            self._blame(dtype)
+        return numbers
 
-    def _parse(self, dtype):
+    def _parse(self, dtype: type) -> NDArray[Any] | None:
         return parse_numbers(self.codes.tobytes(), dtype, self.words.sum())
 
-    def _blame(self, dtype):
-        """Raise the fault of the first word that is no number, found by halving the lines."""
+    def _blame(self, dtype: type) -> NoReturn:
+        """Raise the error of the first word that is no number, found by halving the lines."""
         lines = self
         while len(lines) > 1:
             half = len(lines) // 2
@@ -180,12 +193,13 @@ class Lines:
         words = lines.codes.tobytes().split()
         word = next(word for word in words if parse_numbers(word, dtype, 1) is None)
         wanted = "an integer" if dtype == np.int64 else "a number"
-        raise fault(lines.place(0), f"found {quoted(word)}", f"{wanted} was expected")
+        raise file_error(lines.place(0), f"found {quoted(word)}", f"{wanted} was expected")
 
 
-def _row_sizes(numbers, tables):
+def _row_sizes(numbers: Floats, tables: Sequence[tuple[int, Sequence[bool]]]) -> list[int] | None:
     """How many numbers each row has, or None if they are too few or too many."""
-    sizes, at = [], 0
+    sizes: list[int] = []
+    at = 0
     for rows, columns in tables:
         for _ in range(rows):
             start = at
@@ -198,6 +212,6 @@ def _row_sizes(numbers, tables):
     return sizes if at == len(numbers) else None
 
 
-def encode_rows(pattern, values):
+def encode_rows(pattern: str, values: NDArray[Any]) -> bytes:
     """One line for each row of an array; %r writes a number so that it reads back the same."""
     return (pattern * len(values) % tuple(values.ravel().tolist())).encode()

@@ -2,8 +2,9 @@
 
 ``edges`` holds the one structure of a mesh's edges; ``topology``, ``geometry``,
 ``boundary`` and ``dihedral`` hold the facts, ``ordering`` the numbering of vertices;
-``inspection`` says what is wrong, in the words of ``findings``, ``repair`` mends
-it, and ``clustering`` does damage on purpose.
+``inspection`` says what is wrong, in the words of ``findings``, and ``report`` shows
+it with the ``advice`` on it; ``repair`` repairs it, and ``clustering`` does damage on
+purpose.
 """
 
 from meshfair.mesh.boundary import boundary_edges, boundary_vertices
@@ -25,9 +26,10 @@ from meshfair.mesh.geometry import (
     vertex_normals,
     volume,
 )
-from meshfair.mesh.inspection import Inspection, inspect
+from meshfair.mesh.inspection import inspect
 from meshfair.mesh.ordering import reorder, restore_order
 from meshfair.mesh.repair import Repaired, Step, repair
+from meshfair.mesh.report import Inspection
 from meshfair.mesh.topology import components, is_closed
 
 __all__ = [

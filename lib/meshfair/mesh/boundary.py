@@ -17,8 +17,8 @@ def boundary_edges(F: ArrayLike) -> Integers:
     Returns
     -------
     ndarray of int64, shape (k, 2)
-        Rows (i, j) with i < j, sorted; none on a closed mesh. A face that is
-        stored twice counts once.
+        Rows (i, j) with i < j, sorted; none on a closed mesh. Duplicate faces
+        count once.
     """
     edges = Edges(F)
     return edges.ends[edges.faces_of_edge == 1]

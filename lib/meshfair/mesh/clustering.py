@@ -1,20 +1,21 @@
 """Reduce a mesh the quick way, with the damage that this does."""
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from meshfair.checks import MeshError, check_mesh, check_number
+from meshfair.checks import Floats, Integers, MeshError, check_mesh, check_number
 from meshfair.mesh.geometry import mean_edge_length
-from meshfair.mesh.topology import collapsed_faces
+from meshfair.mesh.topology import topologically_degenerate
 
 
-def cluster(V, F, cell):
+def cluster(V: ArrayLike, F: ArrayLike, cell: float) -> tuple[Floats, Integers]:
     """Merge all vertices in each cell of a grid into one: vertex clustering [RB93]_.
 
     Quick and blind to the surface: where two sheets, or two parts of a fold,
     pass through one cell they are fused. The result has non-manifold edges and
-    vertices, faces that are stored twice (with both orientations), and holes
-    too small for the grid are closed. This is what the seed's reduction did to
-    its meshes, and is here to study the damage: see `inspect` and `repair`.
+    vertices, duplicate faces (with both orientations), and holes too small for
+    the grid are closed. This is what the original report's reduction did to its
+    meshes, and is here to study the damage: see `inspect` and `repair`.
 
     Parameters
     ----------
@@ -49,7 +50,7 @@ def cluster(V, F, cell):
     _, number, count = np.unique(index, axis=0, return_inverse=True, return_counts=True)
     X = np.column_stack([np.bincount(number, x) for x in V.T]) / count[:, None]
     T = number[F]
-    T = T[~collapsed_faces(T)]
+    T = T[~topologically_degenerate(T)]
     if not len(T):
         raise MeshError(f"cell = {cell:g} mean edge lengths leaves no face; give a smaller one")
     # The same face starting at another corner is the same: start each at its lowest.

@@ -1,15 +1,16 @@
-"""Rows and faces that are stored more than once."""
+"""Rows and faces that an array holds more than once."""
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from meshfair.checks import check_faces
+from meshfair.checks import Booleans, Floats, Integers, check_faces
 
 # Odd numbers with bits all over, which spread rows over 64-bit hashes.
 _ODD = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
 
 
-def repeated_rows(rows):
-    """Which rows of an array are equal to an earlier row, and to which one.
+def first_equal(rows: Integers | Floats) -> Integers:
+    """For each row of an array, the first row that is equal to it.
 
     Parameters
     ----------
@@ -17,8 +18,8 @@ def repeated_rows(rows):
 
     Returns
     -------
-    first : ndarray of int64, shape (k,)
-        Index of the first row that is equal; the row's own index if none is.
+    ndarray of int64, shape (k,)
+        Index of the first row that is equal: the row's own where no earlier one is.
     """
     first = np.arange(len(rows))
     # Equal rows have equal hashes, and numbers are sorted quickly; only the rows
@@ -36,27 +37,22 @@ def repeated_rows(rows):
     return first
 
 
-def unique_faces(F):
-    """The faces without repetitions, the first of each kept, in their order.
-
-    Two faces are duplicates where they have the same three vertices, whatever
-    their orientation.
+def duplicate_rows(rows: Integers | Floats) -> Booleans:
+    """Which rows of an array are equal to an earlier row.
 
     Parameters
     ----------
-    F : array_like of integers, shape (m, 3)
+    rows : ndarray of int64 or float64, shape (k, 3)
 
     Returns
     -------
-    ndarray of int64, shape (m', 3)
+    ndarray of bool, shape (k,)
     """
-    F = check_faces(F, np.max(F, initial=0) + 1)
-    repeated = repeated_faces(F)
-    return F[~repeated] if repeated.any() else F
+    return first_equal(rows) != np.arange(len(rows))
 
 
-def repeated_faces(F):
-    """Which faces have the three vertices of an earlier face.
+def duplicate_faces(F: Integers) -> Booleans:
+    """Which faces have the three vertices of an earlier face, whatever their orientation.
 
     Parameters
     ----------
@@ -66,4 +62,28 @@ def repeated_faces(F):
     -------
     ndarray of bool, shape (m,)
     """
-    return repeated_rows(np.sort(F, axis=1)) != np.arange(len(F))
+    return duplicate_rows(np.sort(F, axis=1))
+
+
+def unique_faces(F: ArrayLike) -> Integers:
+    """The faces without duplicates: the first of each is kept, in their order.
+
+    Two faces are duplicates if they have the same three vertices, whatever
+    their orientation.
+
+    Parameters
+    ----------
+    F : array_like of integers, shape (m, 3)
+
+    Returns
+    -------
+    ndarray of int64, shape (m', 3)
+
+    Raises
+    ------
+    MeshError
+        Not of shape (m, 3), not integers, no faces, or a negative index.
+    """
+    F = check_faces(F, np.max(F, initial=0) + 1)
+    duplicate = duplicate_faces(F)
+    return F[~duplicate] if duplicate.any() else F

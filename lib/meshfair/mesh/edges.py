@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import coo_array, csr_array
 
 from meshfair import _fast
-from meshfair.checks import Floats, Integers, check_faces
+from meshfair.checks import Floats, Integers, MeshError, check_faces
 from meshfair.mesh.duplicates import unique_faces
 
 
@@ -37,8 +37,7 @@ class Edges:
     Parameters
     ----------
     F : array_like of integers, shape (m, 3)
-        Not to be changed while the edges are in use. A face that is stored
-        twice counts once.
+        Not to be changed while the edges are in use. Duplicate faces count once.
     n : int, optional
         Number of vertices; if it is not given, as many as ``F`` names.
 
@@ -137,7 +136,8 @@ class Edges:
         -------
         ndarray of float64, shape (k,)
         """
-        return np.bincount(self.of_half_edge, X.ravel()[self.half_edges], minlength=len(self))
+        values = X.ravel()[self.half_edges]
+        return np.bincount(self.of_half_edge, values, minlength=len(self)).astype(float)
 
     def matrix(self, w: Floats) -> csr_array:
         """The symmetric matrix with w_e at (i, j) and at (j, i) for each edge e = (i, j).
@@ -153,3 +153,28 @@ class Edges:
         i, j = self.ends.T
         rows, columns = np.concatenate([i, j]), np.concatenate([j, i])
         return coo_array((np.tile(w, 2), (rows, columns)), shape=(self.n, self.n)).tocsr()
+
+
+def as_edges(F: ArrayLike | Edges, n: int) -> Edges:
+    """The edges of faces, or the edges that were given for them.
+
+    Parameters
+    ----------
+    F : array_like of integers, shape (m, 3), or Edges
+    n : int
+        Number of vertices.
+
+    Returns
+    -------
+    Edges
+
+    Raises
+    ------
+    MeshError
+        No triangles, an index outside 0 .. n - 1, or the edges of another number of vertices.
+    """
+    if not isinstance(F, Edges):
+        return Edges(F, n)
+    if F.n != n:
+        raise MeshError(f"the edges are those of {F.n} vertices, but V has {n}; find them anew")
+    return F

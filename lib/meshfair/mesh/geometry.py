@@ -1,5 +1,6 @@
 """Areas, normals, angles, lengths and volume of a triangle mesh."""
 
+import warnings
 from functools import cached_property
 
 import numpy as np
@@ -7,7 +8,15 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
 from meshfair import _fast
-from meshfair.checks import DEGENERATE, Booleans, Floats, Integers, MeshError, check_mesh
+from meshfair.checks import (
+    DEGENERATE,
+    Booleans,
+    Floats,
+    Integers,
+    MeshError,
+    MeshWarning,
+    check_mesh,
+)
 from meshfair.mesh.edges import Edges
 
 
@@ -223,7 +232,7 @@ def mean_edge_length(V: ArrayLike, F: ArrayLike) -> float:
     Raises
     ------
     MeshError
-        No mesh, or one whose faces have all collapsed to points.
+        No mesh, or one whose faces name a single vertex each.
     """
     lengths = edge_lengths(V, F)
     if not len(lengths):
@@ -245,6 +254,30 @@ def degenerate_faces(V: ArrayLike, F: ArrayLike) -> Booleans:
         True where the height over the longest edge is at most 1e-12 of it.
     """
     return Triangles(*check_mesh(V, F)).degenerate
+
+
+def warn_of_degenerate_faces(V: Floats, F: Integers, effect: str) -> None:
+    """Warn of degenerate faces, if there are any: how many, the first, and what they do.
+
+    Parameters
+    ----------
+    V : ndarray of float64, shape (n, 3)
+    F : ndarray of int64, shape (m, 3)
+    effect : str
+        How the sentence ends that begins with "they".
+
+    Warns
+    -----
+    MeshWarning
+    """
+    degenerate = Triangles(V, F).degenerate
+    if degenerate.any():
+        warnings.warn(
+            f"{degenerate.sum()} of {len(F)} faces are degenerate (the first has vertices "
+            f"{F[degenerate][0].tolist()}); they {effect}",
+            MeshWarning,
+            stacklevel=3,
+        )
 
 
 def _dot(u: Floats, v: Floats) -> Floats:

@@ -1,25 +1,25 @@
-"""Say what a mesh is, what is wrong with it, and what that does to the package."""
+"""Find out what a mesh is, and what is wrong with it."""
 
-from dataclasses import dataclass, fields
-from html import escape
-from textwrap import fill
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from meshfair.checks import check_mesh
-from meshfair.mesh.duplicates import repeated_faces, repeated_rows
+from meshfair.checks import Floats, Integers, check_mesh
+from meshfair.mesh.duplicates import duplicate_faces, duplicate_rows
 from meshfair.mesh.edges import Edges
 from meshfair.mesh.findings import KINDS, SLIVER, Finding
 from meshfair.mesh.geometry import Triangles
+from meshfair.mesh.report import Inspection
 from meshfair.mesh.topology import (
-    across_two_faces,
     boundary_loops,
-    collapsed_faces,
     fans,
-    neighbours,
+    half_edge_pairs,
+    interior_manifold_pairs,
     number_components,
     orientation,
     referenced,
+    topologically_degenerate,
 )
 
 SLIVER_COTANGENT = 1 / np.tan(np.radians(SLIVER))
@@ -27,134 +27,10 @@ SLIVER_COTANGENT = 1 / np.tan(np.radians(SLIVER))
 NEGATIVE = -1e-10
 
 
-@dataclass(frozen=True, eq=False)
-class Inspection:
-    """What `inspect` found; print it, or let a notebook show it."""
+def inspect(V: ArrayLike, F: ArrayLike) -> Inspection:
+    """Find out what a mesh is, and what is wrong with it.
 
-    vertices: int
-    faces: int
-    edges: int
-    """Faces that name a vertex twice have none, here and in all that follows."""
-    components: int
-    boundary_loops: int
-    genus: int | None
-    """Number of handles, over all components; None where the surface is not an
-    orientable manifold, so that it has no such number."""
-    euler_characteristic: int
-    """Vertices with faces, minus edges, plus faces."""
-    closed: bool
-    """Two faces at each edge, counted as they are stored: repeated ones too, here
-    and in the findings on edges. Clean them away and look again."""
-    manifold: bool
-    """At most two faces at each edge, and one fan of faces at each vertex."""
-    orientable: bool
-    smallest_angle: float | None
-    """In degrees, over the faces that are not degenerate; None if all are."""
-    largest_angle: float | None
-    negative_weights: float
-    """Share of the edges whose cotangent weight is negative, 0 to 1."""
-    mean_edge_length: float
-    """In the units of the vertices; the package's unit of noise."""
-    area: float
-    """Of all faces, in the squared units of the vertices."""
-    size: tuple[float, float, float]
-    """Of the bounding box, in the units of the vertices."""
-    findings: tuple[Finding, ...]
-    """What there is to know, see `KINDS`; nothing that was not found."""
-
-    @property
-    def ok(self):
-        """Whether there is no problem, only things that are good to know."""
-        return not any(finding.problem for finding in self.findings)
-
-    @property
-    def counts(self):
-        """How many there are of each of `KINDS`, as a dictionary."""
-        return dict.fromkeys(KINDS, 0) | {found.kind: len(found.where) for found in self.findings}
-
-    def as_dict(self):
-        """The inspection as numbers, texts, lists and dictionaries, ready for JSON."""
-        facts = {field.name: getattr(self, field.name) for field in fields(self)}
-        return facts | {
-            "size": list(self.size),
-            "ok": self.ok,
-            "counts": self.counts,
-            "findings": [finding.as_dict() for finding in self.findings],
-        }
-
-    def _facts(self):
-        """Rows of name and value, for text and HTML."""
-        yes = {True: "yes", False: "no"}
-        angles = "none, all faces are degenerate"
-        if self.smallest_angle is not None:
-            angles = f"{self.smallest_angle:.3g} to {self.largest_angle:.4g} degrees"
-        return [
-            ("vertices", f"{self.vertices:,}"),
-            ("faces", f"{self.faces:,}"),
-            ("edges", f"{self.edges:,}, mean length {self.mean_edge_length:.4g}"),
-            ("size", " x ".join(f"{length:.4g}" for length in self.size)),
-            ("area", f"{self.area:.6g}"),
-            ("components", f"{self.components:,}"),
-            ("closed", yes[self.closed]),
-            ("boundary loops", f"{self.boundary_loops:,}"),
-            ("manifold", yes[self.manifold]),
-            ("orientable", yes[self.orientable]),
-            ("genus", "none" if self.genus is None else f"{self.genus:,}"),
-            ("Euler characteristic", f"{self.euler_characteristic:,}"),
-            ("angles", angles),
-            ("negative cotangent weights", f"{100 * self.negative_weights:.3g} % of the edges"),
-        ]
-
-    def _verdict(self):
-        problems = sum(finding.problem for finding in self.findings)
-        return f"{problems or 'no'} problem{'' if problems == 1 else 's'} found"
-
-    def __str__(self):
-        width = max(len(name) for name, _ in self._facts())
-        lines = [f"{name:<{width}}  {value}" for name, value in self._facts()]
-        lines += ["", self._verdict()]
-        for finding in self.findings:
-            label = "problem" if finding.problem else "note"
-            lines += [
-                f"{label}: {finding}",
-                _wrapped("  affects: ", finding.affects),
-                _wrapped("  helps:   ", finding.remedy),
-            ]
-        return "\n".join(lines)
-
-    def _repr_html_(self):
-        """The same for a notebook, in the colours of its theme, light or dark."""
-        rule = "border-bottom: 1px solid rgba(128, 128, 128, 0.4)"
-        cell = f"text-align: left; vertical-align: top; {rule}"
-        facts = "".join(
-            f'<tr><th style="{cell}">{name}</th><td style="{cell}">{escape(value)}</td></tr>'
-            for name, value in self._facts()
-        )
-        found = "".join(
-            f'<tr><td style="{cell}"><b>{"problem" if finding.problem else "note"}</b></td>'
-            f'<td style="{cell}">{escape(str(finding))}</td>'
-            f'<td style="{cell}">{escape(finding.affects)}</td>'
-            f'<td style="{cell}"><code>{escape(finding.remedy)}</code></td></tr>'
-            for finding in self.findings
-        )
-        heads = "".join(
-            f'<th style="{cell}">{name}</th>' for name in ("", "found", "affects", "helps")
-        )
-        table = '<table style="color: inherit; background: transparent">'
-        html = f"{table}<tbody>{facts}</tbody></table><p><b>{self._verdict()}</b></p>"
-        if found:
-            html += f"{table}<thead><tr>{heads}</tr></thead><tbody>{found}</tbody></table>"
-        return f"<div>{html}</div>"
-
-
-def _wrapped(label, text):
-    return fill(text, 88, initial_indent=label, subsequent_indent=" " * len(label))
-
-
-def inspect(V, F):
-    """Say what a mesh is, and what is wrong with it.
-
-    Nothing is changed; `repair` mends what can be mended.
+    Nothing is changed; `repair` repairs what can be repaired.
 
     Parameters
     ----------
@@ -164,9 +40,9 @@ def inspect(V, F):
     Returns
     -------
     Inspection
-        Shows itself as text (``print``) and in a notebook; ``as_dict()`` is
-        ready for JSON. Each of its ``findings`` has all its places, the parts
-        of the package that it affects, and what helps.
+        Shows itself as text (``print``) and in a notebook, with the parts of the
+        package that each finding affects, and what helps; ``as_dict()`` is ready
+        for JSON. Each of its ``findings`` has all its indices.
 
     Raises
     ------
@@ -180,29 +56,30 @@ def inspect(V, F):
     1
     """
     V, F = check_mesh(V, F)
-    used, repeated = referenced(F, len(V)), repeated_faces(F)
+    used, duplicate = referenced(F, len(V)), duplicate_faces(F)
     triangles = Triangles(V, F)
-    places = {
+    where = {
         "unreferenced_vertices": np.flatnonzero(~used),
-        "duplicate_vertices": np.flatnonzero(used)[_repeated(V[used])],
-        "duplicate_faces": np.flatnonzero(repeated),
+        "duplicate_vertices": np.flatnonzero(used)[duplicate_rows(V[used])],
+        "duplicate_faces": np.flatnonzero(duplicate),
         "degenerate_faces": np.flatnonzero(triangles.degenerate),
         "sliver_faces": np.flatnonzero((triangles.cotangents > SLIVER_COTANGENT).any(axis=0)),
     }
-    # The surface, as it is stored, but without faces that name a vertex twice.
-    on_surface = np.flatnonzero(~collapsed_faces(F))
+    # The surface: all faces but those that name a vertex twice.
+    on_surface = np.flatnonzero(~topologically_degenerate(F))
     T, cotangents = F, triangles.cotangents
     if len(on_surface) < len(F):
         T, cotangents = F[on_surface], cotangents[:, on_surface]
     edges = Edges.of_all(T, len(V))
     lengths = edges.lengths(V)
     topology, found = _topology(V, T, edges)
-    places |= found
-    places["one_sided_faces"] = on_surface[places["one_sided_faces"]]
+    where |= found
+    where["nonorientable_faces"] = on_surface[where["nonorientable_faces"]]
     # The weights as `weights.cotangent` has them, where a duplicate face counts once.
-    negative = edges.sums(np.where(repeated[on_surface], 0, cotangents)) / 2 < NEGATIVE
-    places["negative_weights"] = edges.ends[negative]
+    negative = edges.sums(np.where(duplicate[on_surface], 0, cotangents)) / 2 < NEGATIVE
+    where["negative_weights"] = edges.ends[negative]
     smallest, largest = _extreme_angles(triangles)
+    x, y, z = np.ptp(V, axis=0).tolist()
     return Inspection(
         vertices=len(V),
         faces=len(F),
@@ -213,29 +90,27 @@ def inspect(V, F):
         negative_weights=float(negative.mean()) if len(negative) else 0.0,
         mean_edge_length=float(lengths.mean()) if len(lengths) else 0.0,
         area=float(triangles.doubled_area.sum() / 2),
-        size=tuple(float(np.ptp(x)) for x in V.T),
-        findings=tuple(Finding(kind, places[kind]) for kind in KINDS if len(places[kind])),
+        size=(x, y, z),
+        findings=tuple(Finding(kind, where[kind]) for kind in KINDS if len(where[kind])),
     )
 
 
-def _repeated(rows):
-    return repeated_rows(rows) != np.arange(len(rows))
-
-
-def _topology(V, F, edges):
-    """What the faces' connections tell: fields of `Inspection`, and places by kind."""
+def _topology(V: Floats, F: Integers, edges: Edges) -> tuple[dict[str, Any], dict[str, Integers]]:
+    """What the faces' connections tell: fields of `Inspection`, and indices by kind."""
     faces_of_edge = edges.faces_of_edge
     count, component = number_components(F, len(V))
-    pairs = neighbours(F, edges)
+    pairs = half_edge_pairs(F, edges)
     corner_fans = fans(F, pairs)
     loops = boundary_loops(edges, corner_fans)
     touching = _fans_of_vertices(F, corner_fans, len(V)) > 1
     manifold = not (touching.any() or (faces_of_edge > 2).any())
 
-    pairs = across_two_faces(pairs, edges)
+    pairs = interior_manifold_pairs(pairs, edges)
     against = pairs.edge[~pairs.opposed]
-    one_sided = orientation(F, pairs).one_sided if len(against) else np.zeros(len(F), dtype=bool)
-    orientable = not one_sided.any()
+    nonorientable = np.zeros(len(F), dtype=bool)
+    if len(against):
+        nonorientable = orientation(F, pairs).nonorientable
+    orientable = not nonorientable.any()
     # Euler's formula: vertices - edges + faces = 2 components - 2 genus - loops.
     euler = int(referenced(F, len(V)).sum()) - len(edges.ends) + len(F)
     genus = (2 * count - loops - euler) // 2 if manifold and orientable else None
@@ -257,20 +132,20 @@ def _topology(V, F, edges):
         "nonmanifold_edges": edges.ends[faces_of_edge > 2],
         "nonmanifold_vertices": np.flatnonzero(touching),
         "inconsistent_edges": edges.ends[against],
-        "one_sided_faces": np.flatnonzero(one_sided),
+        "nonorientable_faces": np.flatnonzero(nonorientable),
         "inward_components": np.flatnonzero(volumes < 0),
         "boundary_edges": edges.ends[faces_of_edge == 1],
     }
 
 
-def _fans_of_vertices(F, corner_fans, n):
+def _fans_of_vertices(F: Integers, corner_fans: NDArray[np.int32], n: int) -> Integers:
     """How many fans of faces each vertex has; shape (n,)."""
     vertex = np.empty(corner_fans.max(initial=-1) + 1, dtype=np.int64)
     vertex[corner_fans] = F.T  # all corners of a fan are at one vertex
     return np.bincount(vertex, minlength=n)
 
 
-def _cone_volumes(V, F):
+def _cone_volumes(V: Floats, F: Integers) -> Floats:
     """Signed volumes of the cones from the vertices' centre over the faces; shape (m,)."""
     X = V - np.array([x.mean() for x in V.T])
     (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (np.take(X, F[:, k], axis=0).T for k in range(3))
@@ -278,11 +153,12 @@ def _cone_volumes(V, F):
     return determinant / 6
 
 
-def _extreme_angles(triangles):
+def _extreme_angles(triangles: Triangles) -> tuple[float, float] | tuple[None, None]:
     """The smallest and the largest angle in degrees; None where no face has angles."""
     flat, cotangents = triangles.degenerate, triangles.cotangents
     if flat.all():
         return None, None
     if flat.any():
         cotangents = cotangents[:, ~flat]
-    return np.degrees(np.arctan2(1, [cotangents.max(), cotangents.min()])).tolist()
+    smallest, largest = np.degrees(np.arctan2(1, [cotangents.max(), cotangents.min()])).tolist()
+    return smallest, largest

@@ -8,11 +8,18 @@ Axes: x forward, y to the left, z up, in metres. The aircraft is 15 long, the
 origin in the middle of its fuselage.
 """
 
+from collections.abc import Sequence
 from itertools import pairwise
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from meshfair.checks import check_number
+from meshfair.checks import Floats, Integers, check_number
+
+Mesh: TypeAlias = tuple[Floats, Integers]
+Point: TypeAlias = tuple[float, float, float]
+Rows: TypeAlias = Sequence[tuple[float, float, float, float]]
 
 EDGE = 0.2  # length of the edges at detail 1; a missile is less than two of them across
 SMALLEST_RING = 6  # vertices around the thinnest sections, so that a tube stays a tube
@@ -97,14 +104,14 @@ MISSILE_FINS = [
 TIP, OUTER, INNER = (-0.8, 4.92, 0.0), (-0.3, 3.75, -0.56), (0.8, 2.5, -0.59)
 
 
-def superellipse(exponent):
+def superellipse(exponent: float) -> Floats:
     """Points (a, b) with |a|^p + |b|^p = 1 for the exponent p: shape (512, 2), from (1, 0)."""
     angle = 2 * np.pi * np.arange(512) / 512
     circle = np.column_stack([np.cos(angle), np.sin(angle)])
     return np.sign(circle) * np.abs(circle) ** (2 / exponent)
 
 
-def airfoil():
+def airfoil() -> Floats:
     """Points of a symmetric NACA section that fills [-1, 1]^2: shape (512, 2).
 
     From the leading edge (1, 0) to the trailing edge (-1, 0) and back.
@@ -115,14 +122,14 @@ def airfoil():
     return np.column_stack([1 - 2 * s, np.sign(np.sin(angle)) * half / half.max()])
 
 
-def loft(stations, curve, edge):
+def loft(stations: ArrayLike, curve: Floats, edge: float) -> Mesh:
     """Closed surface through a row of cross-sections, with triangles of one size.
 
     Parameters
     ----------
     stations : array_like, shape (k, 3, 3)
         Of each section its centre c and its half-axes u and v: a point (a, b)
-        of the curve comes to c + a u + b v. The row goes in the direction of
+        of the curve goes to c + a u + b v. The row goes in the direction of
         u x v. With u = v = 0 the section is a point, for a pointed end or the
         middle of a disc; any other end gets a flat cap.
     curve : ndarray, shape (p, 2)
@@ -137,7 +144,7 @@ def loft(stations, curve, edge):
     F : ndarray of int64, shape (m, 3)
         A closed surface of genus 0, outward.
     """
-    stations = np.asarray(stations, dtype=float)
+    stations = np.asarray(stations, dtype=np.float64)
     rings = [_ring(curve @ axes + centre, edge) for centre, *axes in _rows(stations, edge)]
     ends = np.cumsum([len(ring) for ring in rings])
     indices = np.split(np.arange(ends[-1]), ends[:-1])
@@ -145,7 +152,7 @@ def loft(stations, curve, edge):
     return np.concatenate(rings), np.concatenate([*caps, *(_strip(*p) for p in pairwise(indices))])
 
 
-def _rows(stations, edge):
+def _rows(stations: Floats, edge: float) -> Floats:
     """Sections about one edge apart, on a smooth curve through the stations."""
     # In these coordinates the distance of two ellipses is the rms distance of their points.
     weights = np.sqrt([[1.0], [0.5], [0.5]])
@@ -170,7 +177,7 @@ def _rows(stations, edge):
     return np.concatenate([*rows, X[-1:]]).reshape(-1, 3, 3) / weights
 
 
-def _ring(points, edge):
+def _ring(points: Floats, edge: float) -> Floats:
     """Vertices at equal distances on a closed curve, or one vertex where it is a point."""
     if not np.ptp(points, axis=0).any():
         return points[:1]
@@ -178,7 +185,7 @@ def _ring(points, edge):
     return _resample(np.concatenate([points, points[:1]]), edge, multiple=4, least=SMALLEST_RING)
 
 
-def _resample(points, spacing, multiple=1, least=1):
+def _resample(points: Floats, spacing: float, multiple: int = 1, least: int = 1) -> Floats:
     """Split a polyline into equal pieces, about ``spacing`` long, and return where they start."""
     travelled = np.append(0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
     count = max(least, multiple * round(travelled[-1] / (multiple * spacing)))
@@ -186,7 +193,7 @@ def _resample(points, spacing, multiple=1, least=1):
     return np.column_stack([np.interp(at, travelled, column) for column in points.T])
 
 
-def _strip(a, b):
+def _strip(a: Integers, b: Integers) -> Integers:
     """Triangles between two neighbouring rings, whose numbers of vertices may differ.
 
     Each edge of either ring has a triangle, with its apex on the other ring. On
@@ -202,12 +209,13 @@ def _strip(a, b):
     # Equals: a's edge first on the first half, b's on the second, for a symmetric result.
     order = np.lexsort((of_b ^ (middle > na * nb), middle))
     of_b = of_b[order]
-    i, j = np.cumsum(~of_b) - ~of_b, np.cumsum(of_b) - of_b
+    j: Integers = np.cumsum(of_b) - of_b  # how many of b's edges come before
+    i = np.arange(len(of_b)) - j
     third = np.where(of_b, b[(j + 1) % nb], a[(i + 1) % na])
     return np.column_stack([a[i % na], third, b[j % nb]])
 
 
-def _cap(ring, station):
+def _cap(ring: Integers, station: Floats) -> Integers:
     """Triangles across a ring: a ladder whose rungs go along the section's shorter axis."""
     n = len(ring)
     _, u, v = np.linalg.norm(station, axis=1)
@@ -221,7 +229,7 @@ def _cap(ring, station):
     return ring[faces]
 
 
-def body(rows, edge, y=0.0, exponent=2.0):
+def body(rows: Rows, edge: float, y: ArrayLike = 0.0, exponent: float = 2.0) -> Mesh:
     """Round part along the x axis: a loft through superellipses.
 
     Parameters
@@ -248,7 +256,7 @@ def body(rows, edge, y=0.0, exponent=2.0):
     return loft(np.stack([centre, up, left], axis=1), superellipse(exponent), edge)
 
 
-def wing(rows, edge, angle=0.0, at=(0.0, 0.0, 0.0)):
+def wing(rows: Rows, edge: float, angle: float = 0.0, at: Point = (0.0, 0.0, 0.0)) -> Mesh:
     """Flat part that sticks out from the x axis: a loft through airfoils.
 
     Parameters
@@ -275,21 +283,21 @@ def wing(rows, edge, angle=0.0, at=(0.0, 0.0, 0.0)):
     return loft(np.stack([centre, *axes], axis=1), airfoil(), edge)
 
 
-def _missile(edge, nose):
+def _missile(edge: float, nose: Point) -> Mesh:
     """Tube with a pointed nose, and two crosses of fins."""
     fins = [wing(rows, edge, angle) for rows in MISSILE_FINS for angle in (45, 135, 225, 315)]
     V, F = _join([body(MISSILE, edge), *fins])
     return V + nose, F
 
 
-def _join(parts):
+def _join(parts: Sequence[Mesh]) -> Mesh:
     """One mesh of several, in their order."""
     starts = np.cumsum([0, *(len(V) for V, _ in parts)])
     faces = [F + start for (_, F), start in zip(parts, starts[:-1], strict=True)]
     return np.concatenate([V for V, _ in parts]), np.concatenate(faces)
 
 
-def jet_parts(missiles=True, detail=1.0):
+def jet_parts(missiles: bool = True, detail: float = 1.0) -> dict[str, Mesh]:
     """The parts of `jet` by name, each of one or more closed surfaces.
 
     Parameters
@@ -341,7 +349,7 @@ def jet_parts(missiles=True, detail=1.0):
     return parts
 
 
-def jet(missiles=True, detail=1.0):
+def jet(missiles: bool = True, detail: float = 1.0) -> Mesh:
     """A fighter aircraft, with or without missiles: the parts of `jet_parts` as one mesh.
 
     Parameters
@@ -364,7 +372,7 @@ def jet(missiles=True, detail=1.0):
     return _join(list(jet_parts(missiles, detail).values()))
 
 
-def jet_labels(missiles=True, detail=1.0):
+def jet_labels(missiles: bool = True, detail: float = 1.0) -> tuple[Integers, list[str]]:
     """Of which part each vertex of `jet` is.
 
     Parameters
@@ -375,7 +383,7 @@ def jet_labels(missiles=True, detail=1.0):
     Returns
     -------
     labels : ndarray of int64, shape (n,)
-        Positions in ``names``.
+        Indices into ``names``.
     names : list of str
         The keys of `jet_parts`, in its order.
 

@@ -1,10 +1,10 @@
 """Knot, torus, sphere and box."""
 
-from numbers import Integral
-
 import numpy as np
+from numpy.typing import ArrayLike
 
-from meshfair.checks import check_number
+from meshfair.checks import Floats, Integers, check_count, check_number
+from meshfair.mesh.edges import Edges
 
 # The tube that reproduces Open3D's KnotMesh (1,440 vertices), fitted to its file.
 KNOT_TUBE_RADIUS = 19.54387
@@ -13,14 +13,7 @@ KNOT_CENTRE = np.array([-51.81513, 0.0, -76.56766])
 KNOT_TANGENT_STEP = 6.5e-4
 
 
-def _count(value, name, low):
-    """Check a number of subdivisions, sides or segments."""
-    if not isinstance(value, Integral) or value < low:
-        raise ValueError(f"{name} is {value!r}; give a whole number of at least {low}")
-    return int(value)
-
-
-def _tube_faces(sections, sides):
+def _tube_faces(sections: int, sides: int) -> Integers:
     """Faces of a closed tube whose vertex (section i, side j) has index sides*i + j."""
     i, j = np.divmod(np.arange(sections * sides), sides)
     next_i, next_j = (i + 1) % sections, (j + 1) % sides
@@ -29,14 +22,14 @@ def _tube_faces(sections, sides):
     return np.stack([a, b, c, a, c, d], axis=1).reshape(-1, 3)
 
 
-def _knot_curve(t):
+def _knot_curve(t: Floats) -> Floats:
     """Centre line of the knot around its own centre, at parameters t of shape (k, 1)."""
     curve = np.hstack([np.cos(2 * t), np.cos(3 * t), -np.sin(2 * t)])
     return KNOT_SCALE * curve / (1 - 5 / 11 * np.sin(3 * t))
 
 
-def knot(sections=120, sides=12):
-    """Tube around a (2, 3) torus knot: the seed's knot.
+def knot(sections: int = 120, sides: int = 12) -> tuple[Floats, Integers]:
+    """Tube around a (2, 3) torus knot: the original report's knot.
 
     The centre line is the stereographic projection of the torus knot,
 
@@ -63,7 +56,7 @@ def knot(sections=120, sides=12):
     ValueError
         Too few sections or sides.
     """
-    sections, sides = _count(sections, "sections", 30), _count(sides, "sides", 3)
+    sections, sides = check_count(sections, "sections", 30), check_count(sides, "sides", 3)
     t = 2 * np.pi * np.arange(sections)[:, None] / sections
     from_centre = _knot_curve(t)
     # The tangent as the file's author seems to have had it, by a forward difference.
@@ -79,7 +72,9 @@ def knot(sections=120, sides=12):
     return V.reshape(-1, 3), _tube_faces(sections, sides)
 
 
-def torus(major=1.0, minor=0.4, sections=60, sides=24):
+def torus(
+    major: float = 1.0, minor: float = 0.4, sections: int = 60, sides: int = 24
+) -> tuple[Floats, Integers]:
     """Torus around the z axis, centred at the origin.
 
     Parameters
@@ -100,7 +95,7 @@ def torus(major=1.0, minor=0.4, sections=60, sides=24):
     ValueError
         A radius or a count outside its range.
     """
-    sections, sides = _count(sections, "sections", 3), _count(sides, "sides", 3)
+    sections, sides = check_count(sections, "sections", 3), check_count(sides, "sides", 3)
     major = check_number(major, "major", 0, open_low=True)
     minor = check_number(minor, "minor", 0, major, open_low=True)
     if minor == major:
@@ -112,7 +107,7 @@ def torus(major=1.0, minor=0.4, sections=60, sides=24):
     return V.reshape(-1, 3), _tube_faces(sections, sides)
 
 
-def icosphere(subdivisions=4, radius=1.0):
+def icosphere(subdivisions: int = 4, radius: float = 1.0) -> tuple[Floats, Integers]:
     """Sphere from an icosahedron whose faces are split in four, again and again.
 
     Parameters
@@ -133,7 +128,7 @@ def icosphere(subdivisions=4, radius=1.0):
     ValueError
         A number outside its range.
     """
-    subdivisions = _count(subdivisions, "subdivisions", 0)
+    subdivisions = check_count(subdivisions, "subdivisions")
     if subdivisions > 9:
         raise ValueError(f"subdivisions is {subdivisions}; above 9 are over 10 million vertices")
     radius = check_number(radius, "radius", 0, open_low=True)
@@ -149,19 +144,20 @@ def icosphere(subdivisions=4, radius=1.0):
         + [[4, 9, 5], [2, 4, 11], [6, 2, 10], [8, 6, 7], [9, 8, 1]]
     )
     for _ in range(subdivisions):
-        H = np.sort(np.concatenate([F[:, [1, 2]], F[:, [2, 0]], F[:, [0, 1]]]), axis=1)
-        keys, edge = np.unique(H[:, 0] * len(V) + H[:, 1], return_inverse=True)
+        edges = Edges.of_all(F, len(V))
+        edge = np.empty(3 * len(F), dtype=np.int64)
+        edge[edges.half_edges] = edges.of_half_edge
         a, b, c = F.T
         # The midpoints opposite the corners a, b and c.
         x, y, z = len(V) + edge.reshape(3, -1)
         F = np.stack([a, z, y, b, x, z, c, y, x, x, y, z], axis=1).reshape(-1, 3)
-        i, j = np.divmod(keys, len(V))
+        i, j = edges.ends.T
         middle = V[i] + V[j]
         V = np.concatenate([V, middle / np.linalg.norm(middle, axis=1, keepdims=True)])
     return radius * V, F
 
 
-def box(size=(1.0, 1.0, 1.0), segments=12):
+def box(size: ArrayLike = (1.0, 1.0, 1.0), segments: ArrayLike = 12) -> tuple[Floats, Integers]:
     """Box with sharp edges, centred at the origin, its sides cut into a grid.
 
     Parameters
@@ -183,8 +179,8 @@ def box(size=(1.0, 1.0, 1.0), segments=12):
     ValueError
         A number outside its range.
     """
-    size = [check_number(x, "size", 0, open_low=True) for x in np.broadcast_to(size, 3).tolist()]
-    s = np.array([_count(x, "segments", 1) for x in np.broadcast_to(segments, 3).tolist()])
+    sides = [check_number(x, "size", 0, open_low=True) for x in np.broadcast_to(size, 3).tolist()]
+    s = np.array([check_count(x, "segments", 1) for x in np.broadcast_to(segments, 3).tolist()])
     index = np.full(s + 1, -1)
     grid = np.argwhere(np.pad(np.zeros(np.maximum(s - 1, 0), bool), 1, constant_values=True))
     index[tuple(grid.T)] = np.arange(len(grid))
@@ -197,4 +193,4 @@ def box(size=(1.0, 1.0, 1.0), segments=12):
             a, b, c, d = (x.ravel() for x in (q[:-1, :-1], q[1:, :-1], q[1:, 1:], q[:-1, 1:]))
             quads = np.stack([a, b, c, a, c, d], axis=1).reshape(-1, 3)
             faces.append(quads[:, turn])
-    return (grid / s - 0.5) * size, np.concatenate(faces)
+    return (grid / s - 0.5) * sides, np.concatenate(faces)

@@ -1,14 +1,15 @@
 """Mark the submissions of an assignment: a CSV, and feedback for each student.
 
 Each submission runs in processes of its own with limits; what this system
-cannot hold back is told on standard error. A second run marks only what is
+cannot hold back is said on standard error. A second run marks only what is
 new or has changed.
 """
 
+import argparse
 from pathlib import Path
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the subcommand's arguments."""
     parser.add_argument(
         "submissions", type=Path, help="folder with a folder, or a .py file, for each student"
@@ -27,7 +28,7 @@ def add_arguments(parser):
     )  # fmt: skip
 
 
-def run(options):
+def run(options: argparse.Namespace) -> int:
     """Mark, write, and say what happened.
 
     Returns
@@ -49,8 +50,8 @@ def run(options):
         path = ASSIGNMENTS / "source" / f"{options.assignment}.py"
     if not path.exists():
         raise ValueError(
-            f"there is no {path}; give --assignment the path of an instructor's file, "
-            "from notebooks/assignments/source of the repository"
+            f"there is no {path}; outside of a clone of the repository give --assignment the path "
+            "of an instructor's file, from its folder notebooks/assignments/source"
         )
     source = Source.read(path)
     isolation = Isolation.detect(

@@ -1,5 +1,7 @@
 """The errors of the readers and writers, and the four parts that each one names."""
 
+from typing import Any
+
 from meshfair.checks import MeshError
 
 DAMAGED = "the file may be cut or damaged, download or export it again"
@@ -9,11 +11,11 @@ class MeshFileError(MeshError):
     """A file that is no mesh, or that cannot be written: which, where, why, and what to do."""
 
 
-def fault(place, found, expected, advice=DAMAGED):
+def file_error(place: str, found: str, expected: str, advice: str = DAMAGED) -> MeshFileError:
     """The error to raise: where in the file, what is there (cut), what should be, what to do."""
     return MeshFileError(f"{place}: {found:.300}, but {expected}; {advice}")
 
 
-def quoted(data):
+def quoted(data: Any) -> str:
     """The beginning of some bytes of a file, fit for a message of one line."""
     return repr(bytes(data[:40]).decode("utf-8", "replace"))
