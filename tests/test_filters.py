@@ -575,6 +575,7 @@ ALLOWED = [
     ("sun", {"normal_iterations": 0}, True),  # each vertex lies in the planes of its faces
     ("sun", {"vertex_iterations": 0}, True),
     ("bilateral_normal", {"normal_iterations": 0}, True),
+    ("guided_normal", {"radius": 0.5}, True),
     ("guided_normal", {"vertex_iterations": 1}, False),
     ("feature_convinced", {"noise": 0, "gap": 0, "shortest": 0}, False),
     ("feature_convinced", {"vertex_iterations": 1}, False),
