@@ -3,7 +3,14 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-VIEWER = {"PIL", "matplotlib", "polyscope", "polyscope_bindings"}
+EXTRAS = {
+    "viewer": {"PIL", "matplotlib", "polyscope", "polyscope_bindings"},
+    "notebooks": {"anywidget", "ipywidgets", "k3d", "traitlets"},
+    "data": {"pooch"},
+    "experiments": {"pandas", "tqdm"},
+    "grading": {"jinja2", "jupytext", "nbformat"},
+}
+"""Modules that are imported for some uses alone, by the extra that installs them."""
 
 
 @contextmanager
@@ -26,7 +33,7 @@ def needed_for(purpose: str) -> Iterator[None]:
         library = (error.name or "a library").split(".")[0]
         if library == "meshfair":  # an error of ours, which no installation mends
             raise
-        extra = "viewer" if library in VIEWER else "notebooks"
+        extra = next((name for name, modules in EXTRAS.items() if library in modules), "all")
         reason = str(error).splitlines()[0]
         raise ImportError(
             f"{purpose} needs {library} ({reason}); run: {install(extra)}", name=error.name
