@@ -122,6 +122,17 @@ def test_the_command_works(installed, tmp_path):
         for name in ("noisy.obj", "denoised.ply")
     )
     assert before < after
+    words = ["denoise", "noisy.obj", "compared.ply", "--ground-truth", "knot.ply"]
+    done = subprocess.run(
+        [installed.parent / "meshfair", *words],
+        env=outside(),
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 1
+    assert done.stderr.endswith('pip install "meshfair[experiments]"\n')
+    assert not (tmp_path / "compared.ply").exists()
 
 
 # Uses of optional libraries, and the extra that installs them.

@@ -13,6 +13,10 @@ EXTRAS = {
 """Modules that are imported for some uses alone, by the extra that installs them."""
 
 
+class NotInstalledError(ModuleNotFoundError):
+    """An optional library that is missing; the message says what to install."""
+
+
 @contextmanager
 def needed_for(purpose: str) -> Iterator[None]:
     """Import optional libraries in this block, or say in one sentence what to install.
@@ -24,7 +28,7 @@ def needed_for(purpose: str) -> Iterator[None]:
 
     Raises
     ------
-    ImportError
+    NotInstalledError
         A library is missing, or does not load here.
     """
     try:
@@ -35,7 +39,7 @@ def needed_for(purpose: str) -> Iterator[None]:
             raise
         extra = next((name for name, modules in EXTRAS.items() if library in modules), "all")
         reason = str(error).splitlines()[0]
-        raise ImportError(
+        raise NotInstalledError(
             f"{purpose} needs {library} ({reason}); run: {install(extra)}", name=error.name
         ) from None
 

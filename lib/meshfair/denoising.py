@@ -242,6 +242,7 @@ def denoise(
     V, F = check_mesh(V, F)
     if ground_truth is not None:
         V, ground_truth = check_same_vertices(V, ground_truth, ("V", "ground_truth"))
+        _table(())  # needs pandas: to be said before the work, not after it
     check_choice(parameters, "parameters", ("default", "auto"))
     run = _Run(V, F, method, chosen, ground_truth, callback)
     if parameters == "default":
