@@ -23,11 +23,12 @@ from hand_ins import HOSTILE, RIGHT, SOURCE, build
 from meshfair.mesh import is_closed, volume
 from meshfair_grading import command, expect, marking, protocol
 from meshfair_grading.answers import Answer, Failure, Other, Seeded, ask, plain
-from meshfair_grading.assignment import Assignment, Graded, Outcome
+from meshfair_grading.assignment import Assignment
 from meshfair_grading.feedback import Report
 from meshfair_grading.isolation import Isolation, Limits
 from meshfair_grading.marking import find, grade
 from meshfair_grading.meshes import unseen
+from meshfair_grading.outcomes import Graded, Outcome
 from meshfair_grading.rules import Rules, violations
 from meshfair_grading.students import IsolatedStudent
 
