@@ -22,8 +22,8 @@ from meshfair.metrics import normal_angles
 from meshfair.operators import averaging
 from meshfair.shapes import jet_parts
 from meshfair.sure import SURE, true_risk
-from meshfair.viewer import Camera, render
-from meshfair.viewer.colouring import displacement
+from meshfair.viewer import CMAPS, Camera, render
+from meshfair.viewer.coloring import displacement
 from meshfair.weights import BY_NAME
 from tables import JET_NOISE, QUALITY_NOISE, SEED
 
@@ -50,14 +50,14 @@ def photograph(
     Image.fromarray(render(V, F, camera, size=size, **options)).save(path)
 
 
-def colour_bar(path: Path, limits: tuple[float, float], label: str, colours: str = ERRORS) -> None:
-    """A colour bar of its own, to stand below a row of meshes; ``colours`` as Polyscope has it."""
+def colour_bar(path: Path, limits: tuple[float, float], label: str, cmap: str = ERRORS) -> None:
+    """A colour bar of its own, to stand below a row of meshes; ``cmap`` as Polyscope has it."""
     with plotting.figure(path, (4.0, 0.5)) as axes:
         axes.imshow(
             np.linspace(0, 1, 256)[None],
             aspect="auto",
             extent=(*limits, 0, 1),
-            cmap={"reds": "Reds"}.get(colours, colours),
+            cmap=CMAPS[cmap],
         )
         axes.set(yticks=[], xlabel=label)
         axes.grid(False)
@@ -105,7 +105,7 @@ def knot_meshes(folder: Path, _: Tables) -> None:
         photograph(folder / f"knot-{name}-{iterations}.png", V_now, F, camera)
         photograph(
             folder / f"knot-{name}-{iterations}-error.png", V_now, F, camera,
-            values=error(V_now), limits=limits, colours=ERRORS, smooth=True,
+            values=error(V_now), limits=limits, cmap=ERRORS, smooth=True,
         )  # fmt: skip
     colour_bar(
         folder / "knot-errors.svg", limits, "distance from the ground truth, in mean edge lengths"
@@ -257,7 +257,7 @@ def agreement(folder: Path, data: Tables) -> None:
             for k, (name, rows) in enumerate(table.groupby("weights", sort=False)):
                 y = np.arange(len(rows)) + 0.22 * (k - 1)
                 style = {
-                    "color": plotting.WEIGHT_COLOURS[name],
+                    "color": plotting.WEIGHT_COLORS[name],
                     "marker": plotting.WEIGHT_MARKS[name],
                 }
                 axes.hlines(y, rows[at_snr], rows[at_angle], color=style["color"], lw=1)
@@ -280,7 +280,7 @@ def reduction(folder: Path, data: Tables) -> None:
     for X, T in ((V, F), (split.V, split.F)):
         bad = bad_faces(X, T).astype(float)
         sides.append(
-            render(X, T, camera, size=PIXELS, values=bad, limits=(0, 1), colours="reds", edges=True)
+            render(X, T, camera, size=PIXELS, values=bad, limits=(0, 1), cmap="reds", edges=True)
         )
     Image.fromarray(np.concatenate(sides, axis=1)).save(folder / "reduction.png")
 
@@ -315,7 +315,7 @@ def gallery(folder: Path, data: Tables) -> None:
         noisy, V, F = noisy_pair(mesh, QUALITY_NOISE, SEED)
         camera = Camera.around(np.concatenate([V, noisy]), **GALLERIES[mesh])
         size = LOW_WIDE if GALLERIES[mesh].get("aspect") == 2.0 else LOW_PIXELS
-        options = {"limits": GALLERY_ANGLES, "colours": ANGLES}
+        options = {"limits": GALLERY_ANGLES, "cmap": ANGLES}
         photograph(
             folder / f"gallery-{mesh}-none.png", noisy, F, camera, size,
             values=normal_angles(noisy, V, F), **options,

@@ -7,7 +7,9 @@ def positions(control):
     """The values to try: both ends of a slider, all entries of a menu, both states of a box."""
     if hasattr(control, "min"):
         return [control.min, control.max]
-    return list(getattr(control, "options", (True, False)))
+    if hasattr(control, "options"):
+        return [name for _, name in control.options]
+    return [True, False]
 
 
 def drive(explorer):

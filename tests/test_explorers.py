@@ -1,6 +1,5 @@
 """Explorers: what they show is what the package computes, and only the newest counts."""
 
-import sys
 import threading
 
 import numpy as np
@@ -18,9 +17,9 @@ from meshfair import (
     viewer,
     weights,
 )
-from meshfair.experiments.cases import add_noise, operator
-from meshfair.explorers.latest import Job, Latest
-from meshfair.viewer import colouring
+from meshfair.explorers import worker
+from meshfair.explorers.worker import LatestWins
+from meshfair.viewer import coloring
 
 V, F = shapes.knot(40, 6)
 MESHES = {"box": shapes.box(segments=4), "knot": (V, F)}
@@ -36,12 +35,12 @@ def quick_pictures(monkeypatch):
     "make",
     [
         lambda: explorers.NoiseExplorer(V, F),
-        lambda: explorers.AveragingExplorer(V, F, steps=5),
-        lambda: explorers.HeatExplorer(V, F, steps=5),
-        lambda: explorers.ComparisonExplorer(V, F, steps=5),
-        lambda: explorers.StabilityExplorer(V, F, steps=5),
-        lambda: explorers.JetExplorer(detail=0.5, steps=3),
-        lambda: explorers.DenoisingExplorer(V, F, steps=5),
+        lambda: explorers.AveragingExplorer(V, F, iterations=5),
+        lambda: explorers.HeatExplorer(V, F, iterations=5),
+        lambda: explorers.ComparisonExplorer(V, F, iterations=5),
+        lambda: explorers.StabilityExplorer(V, F, iterations=5),
+        lambda: explorers.JetExplorer(detail=0.5, iterations=3),
+        lambda: explorers.DenoisingExplorer(V, F, iterations=5),
         lambda: explorers.FilterExplorer(MESHES),
     ],
 )
@@ -56,7 +55,7 @@ def test_the_noise_explorer_shows_the_snr():
     noisy = noise.along_normals(V, F, 0.3, np.random.default_rng(1))
     assert explorer.snr == metrics.snr(V, noisy)
     assert explorer.view.titles[1] == f"noisy: {explorer.snr:.2f} dB"
-    (curve,) = explorer.charts[0].series
+    (curve,) = explorer.plots[0].series
     assert np.interp(0.3, curve["x"], curve["y"]) == pytest.approx(explorer.snr, abs=0.05)
     explorer.controls["shift"].value = 2.0
     explorer.wait()
@@ -64,46 +63,46 @@ def test_the_noise_explorer_shows_the_snr():
 
 
 def test_the_heat_explorer_shows_the_flow():
-    explorer = explorers.HeatExplorer(V, F, size=0.3, tau=0.5, steps=6)
+    explorer = explorers.HeatExplorer(V, F, size=0.3, tau=0.5, iterations=6)
     explorer.controls["weights"].value = "cotangent"
-    explorer.controls["step"].value = 4
+    explorer.controls["iteration"].value = 4
     explorer.wait()
-    V_noisy = add_noise(V, F, "normals", 1, size=0.3)
-    expected = list(flow.heat(V_noisy, operator(V_noisy, F, "cotangent"), 0.5, 3))
+    V_noisy = noise.along_normals(V, F, 0.3, np.random.default_rng(1))
+    expected = list(flow.heat(V_noisy, operators.averaging(weights.cotangent(V_noisy, F)), 0.5, 3))
     np.testing.assert_array_equal(explorer.view.panels[1].V, V_noisy)
     np.testing.assert_array_equal(explorer.view.panels[2].V, expected[4][1])
     decibels = [metrics.snr(V, X) for _, X in expected]
     assert explorer.view.titles[2] == f"cotangent, t = 2.00, SNR {decibels[4]:.2f} dB"
-    (curve,) = explorer.charts[0].series
+    (curve,) = explorer.plots[0].series
     np.testing.assert_allclose(curve["y"], decibels)
     np.testing.assert_allclose(curve["x"], [t for t, _ in expected])
-    assert explorer.charts[0].marker == 2.0
+    assert explorer.plots[0].marker == 2.0
 
 
 def test_a_click_into_the_chart_goes_to_that_step():
-    explorer = explorers.HeatExplorer(V, F, tau=0.2, steps=10)
+    explorer = explorers.HeatExplorer(V, F, tau=0.2, iterations=10)
     explorer.wait()
-    explorer.charts[0].picked = 0.83
-    assert explorer.controls["step"].value == 4
-    explorer.charts[0].picked = 99.0
-    assert explorer.controls["step"].value == 10
+    explorer.plots[0].picked = 0.83
+    assert explorer.controls["iteration"].value == 4
+    explorer.plots[0].picked = 99.0
+    assert explorer.controls["iteration"].value == 10
 
 
 def test_the_step_slider_computes_nothing_anew(monkeypatch):
-    explorer = explorers.HeatExplorer(V, F, steps=5)
+    explorer = explorers.HeatExplorer(V, F, iterations=5)
     explorer.wait()
     monkeypatch.setattr(explorer, "_work", None)
     run = explorer._run
     for step in range(6):
-        explorer.controls["step"].value = step
+        explorer.controls["iteration"].value = step
     explorer.wait()
     assert explorer._run is run
     assert "t = 1.00" in explorer.view.titles[2]
 
 
 def test_twenty_fast_moves_end_at_the_last():
-    explorer = explorers.HeatExplorer(V, F, steps=5)
-    explorer.controls["step"].value = 5
+    explorer = explorers.HeatExplorer(V, F, iterations=5)
+    explorer.controls["iteration"].value = 5
     for tau in np.linspace(0.05, 1, 20):
         explorer.controls["tau"].value = tau
     explorer.wait()
@@ -111,38 +110,38 @@ def test_twenty_fast_moves_end_at_the_last():
 
 
 def test_the_averaging_explorer_counts_iterations():
-    explorer = explorers.AveragingExplorer(V, F, size=0.2, steps=5)
-    explorer.controls["step"].value = 3
+    explorer = explorers.AveragingExplorer(V, F, size=0.2, iterations=5)
+    explorer.controls["iteration"].value = 3
     explorer.wait()
-    V_noisy = add_noise(V, F, "normals", 1, size=0.2)
+    V_noisy = noise.along_normals(V, F, 0.2, np.random.default_rng(1))
     A = operators.averaging(weights.combinatorial(F, len(V)))
     np.testing.assert_allclose(explorer.view.panels[2].V, flow.average(V_noisy, A, 3))
     assert explorer.view.titles[2].startswith("combinatorial, s = 3, SNR")
 
 
 def test_the_comparison_has_one_noise_for_all_weights():
-    explorer = explorers.ComparisonExplorer(V, F, steps=3)
+    explorer = explorers.ComparisonExplorer(V, F, iterations=3)
     explorer.wait()
     first, *others = (panel.V for panel in explorer.view.panels)
     for other in others:
         np.testing.assert_array_equal(other, first)
-    assert [curve["name"] for curve in explorer.charts[0].series] == [
+    assert [curve["name"] for curve in explorer.plots[0].series] == [
         "combinatorial",
         "distance",
         "cotangent",
     ]
 
 
-def test_the_stability_explorer_tells_how_many_waves_grow():
-    explorer = explorers.StabilityExplorer(V, F, steps=30)
+def test_the_stability_explorer_says_how_many_eigenmodes_grow():
+    explorer = explorers.StabilityExplorer(V, F, iterations=30)
     explorer.controls["weights"].value = "combinatorial"
     explorer.controls["tau"].value = 1.0
     explorer.wait()
-    assert explorer._note.value.startswith("0 of 240 waves grow")
-    (factors,) = explorer.charts[1].series
+    assert explorer._note.value.startswith("0 of 240 eigenmodes grow")
+    (factors,) = explorer.plots[1].series
     assert max(factors["y"]) <= 1 + 1e-12
     explorer.controls["tau"].value = 2.0
-    explorer.controls["step"].value = 30
+    explorer.controls["iteration"].value = 30
     explorer.wait()
     assert not explorer._note.value.startswith("0 of")
     moved = np.linalg.norm(explorer.view.panels[0].V - V, axis=1).max()
@@ -150,7 +149,7 @@ def test_the_stability_explorer_tells_how_many_waves_grow():
 
 
 def test_the_jet_loses_its_missiles_and_the_camera_follows():
-    explorer = explorers.JetExplorer(detail=0.5, steps=2)
+    explorer = explorers.JetExplorer(detail=0.5, iterations=2)
     explorer.wait()
     whole = explorer.view.camera
     explorer.controls["look"].value = explorer.closer
@@ -163,8 +162,8 @@ def test_the_jet_loses_its_missiles_and_the_camera_follows():
 
 
 def test_the_denoising_explorer_hands_out_what_it_shows():
-    explorer = explorers.DenoisingExplorer(V, F, steps=5)
-    explorer.controls["step"].value = 3
+    explorer = explorers.DenoisingExplorer(V, F, iterations=5)
+    explorer.controls["iteration"].value = 3
     V_shown, F_shown = explorer.mesh()
     np.testing.assert_array_equal(V_shown, explorer.view.panels[1].V)
     np.testing.assert_array_equal(F_shown, F)
@@ -177,20 +176,20 @@ def test_the_filter_explorer_shows_what_denoise_makes_of_the_mesh():
     explorer.controls["mesh"].value = "knot"
     explorer.controls["parameters"].value = "auto"
     explorer.wait()
-    V_noisy = add_noise(V, F, "normals", 2, size=0.3)
+    V_noisy = noise.along_normals(V, F, 0.3, np.random.default_rng(2))
     expected = denoising.denoise(V_noisy, F, "taubin", parameters="auto", ground_truth=V)
     noisy, denoised, coloured = explorer.view.panels
     np.testing.assert_array_equal(noisy.V, V_noisy)
     np.testing.assert_array_equal(denoised.V, expected.V)
     np.testing.assert_array_equal(coloured.V, expected.V)
-    np.testing.assert_array_equal(coloured.values, colouring.normal_angle(V, F)(expected.V))
+    np.testing.assert_array_equal(coloured.values, coloring.normal_angle(V, F)(expected.V))
     assert explorer.result.parameters == expected.parameters
     angle, decibels = metrics.normal_angle(expected.V, V, F), metrics.snr(V, expected.V)
     assert explorer.view.titles[1] == f"taubin: {decibels:.2f} dB, {angle:.2f}°"
-    for chart, column in zip(explorer.charts, ("normal_angle", "snr"), strict=True):
-        (curve,) = chart.series
+    for plot, column in zip(explorer.plots, ("normal_angle", "snr"), strict=True):
+        (curve,) = plot.series
         np.testing.assert_allclose(curve["y"], expected.history[column])
-        assert chart.marker == len(expected.history) - 1
+        assert plot.marker == len(expected.history) - 1
     found = metrics.compare(expected.V, F, V, F)
     for told in (f"{decibels:.2f} dB", f"{found['hausdorff']:.3f} edges"):
         assert told in explorer.table.value
@@ -241,12 +240,12 @@ def test_a_new_choice_cancels_the_running_filter(endless):
 
 
 def test_slow_work_shows_its_noisy_mesh_and_cancel_keeps_what_there_is(endless, monkeypatch):
-    monkeypatch.setattr(Job, "PATIENCE", 0.0)
+    monkeypatch.setattr(worker, "DELAY", 0.0)
     at_work, _ = endless
     explorer = explorers.FilterExplorer(MESHES, method="endless", size=0.3)
     assert at_work.wait(20)
     V_box, F_box = MESHES["box"]
-    V_noisy = add_noise(V_box, F_box, "normals", 1, size=0.3)
+    V_noisy = noise.along_normals(V_box, F_box, 0.3, np.random.default_rng(1))
     np.testing.assert_array_equal(explorer.view.panels[0].V, V_noisy)
     assert explorer.view.titles[1] == "endless: at work"
     assert f"{metrics.snr(V_box, V_noisy):.2f} dB" in explorer.table.value
@@ -260,7 +259,7 @@ def test_slow_work_shows_its_noisy_mesh_and_cancel_keeps_what_there_is(endless, 
 
 
 def test_a_failure_is_shown_in_one_line(monkeypatch):
-    explorer = explorers.HeatExplorer(V, F, steps=3)
+    explorer = explorers.HeatExplorer(V, F, iterations=3)
     explorer.wait()
 
     def broken(settings):
@@ -278,7 +277,7 @@ def test_a_failure_is_shown_in_one_line(monkeypatch):
 
 
 def test_cancel_keeps_what_there_is(monkeypatch):
-    explorer = explorers.HeatExplorer(V, F, steps=40)
+    explorer = explorers.HeatExplorer(V, F, iterations=40)
     explorer.wait()
     measured, seen = explorer._measured, []
 
@@ -291,8 +290,8 @@ def test_cancel_keeps_what_there_is(monkeypatch):
     monkeypatch.setattr(explorer, "_measured", cancel_after_ten)
     explorer.controls["tau"].value = 0.5
     explorer.wait()
-    assert explorer._run.steps == 9
-    explorer.controls["step"].value = 40
+    assert explorer._run.iterations == 9
+    explorer.controls["iteration"].value = 40
     assert "t = 4.50" in explorer.view.titles[2]
 
 
@@ -308,11 +307,11 @@ def test_only_the_newest_request_is_worked_on():
         job.check()
         done.append(number)
 
-    latest = Latest(work, report=lambda part: None, failed=done.append)
-    latest.ask(0)
+    latest = LatestWins(work, report=lambda part: None, failed=done.append)
+    latest.request(0)
     began.wait(10)
     for number in range(1, 20):
-        latest.ask(number)
+        latest.request(number)
     go_on.set()
     latest.wait()
     assert done == [19]
@@ -320,20 +319,13 @@ def test_only_the_newest_request_is_worked_on():
 
 def test_progress_is_told_only_of_long_work(monkeypatch):
     told = []
-    Latest(lambda job: job.progress(0.5), told.append, told.append).ask()
-    quick = Latest(lambda job: job.progress(0.5), told.append, told.append)
-    quick.ask()
+    LatestWins(lambda job: job.progress(0.5), told.append, told.append).request()
+    quick = LatestWins(lambda job: job.progress(0.5), told.append, told.append)
+    quick.request()
     quick.wait()
     assert 0.5 not in told
-    monkeypatch.setattr(Job, "PATIENCE", 0.0)
-    slow = Latest(lambda job: job.progress(0.5), told.append, told.append)
-    slow.ask()
+    monkeypatch.setattr(worker, "DELAY", 0.0)
+    slow = LatestWins(lambda job: job.progress(0.5), told.append, told.append)
+    slow.request()
     slow.wait()
     assert told[-2:] == [0.5, 1.0]
-
-
-def test_a_missing_library_is_named_in_one_line(monkeypatch):
-    monkeypatch.setitem(sys.modules, "ipywidgets", None)
-    monkeypatch.delitem(sys.modules, "meshfair.explorers.explorer")
-    with pytest.raises(ImportError, match=r"an explorer needs ipywidgets.*run: pip install"):
-        __import__("meshfair.explorers.explorer")

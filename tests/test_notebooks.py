@@ -68,7 +68,7 @@ CHECKS = {
         "DRAWS, ITERATIONS = 1, 5",
         """
         assert abs(metrics.snr(V, noisy) - 22.71) < 1e-9
-        for weights in plotting.WEIGHT_COLOURS:
+        for weights in plotting.WEIGHT_COLORS:
             assert metrics.snr(V, meshes[weights, 10]) < 22.71
             angle = metrics.normal_angle(meshes[weights, 10], V, F)
             assert angle < metrics.normal_angle(noisy, V, F)

@@ -11,7 +11,9 @@ import pytest
 from PIL import Image
 
 from meshfair import MeshError, shapes, viewer
-from meshfair.viewer import Camera, View, colouring, frames, libraries, offscreen, window
+from meshfair.viewer import Camera, View, coloring, frames, libraries, offscreen, window
+from meshfair.viewer.painter import paint
+from meshfair.viewer.panel import Panel, Scale
 
 needs_egl = pytest.mark.skipif(not viewer.has_egl(), reason="polyscope cannot draw here: no EGL")
 UP = (0.0, 0.0, 1.0)
@@ -110,8 +112,10 @@ def test_render_sees_arrays_that_were_written_to(torus, camera):
 @needs_egl
 @pytest.mark.parametrize("background", [(1, 1, 1), (0.07, 0.07, 0.07), (0.2, 0.4, 0.6), (0, 0, 0)])
 def test_background_is_the_pages_colour(torus, camera, background):
-    panel = offscreen.Panel(*torus)
-    pixels = viewer.on_gl_thread(offscreen.draw, panel, camera, (40, 30), background=background)
+    panel = Panel(*torus)
+    pixels = viewer.on_gl_thread(
+        lambda: offscreen.scene().draw(panel, camera, (40, 30), background=background)
+    )
     np.testing.assert_allclose(pixels[0, 0, :3] / 255, background, atol=0.02)
 
 
@@ -127,7 +131,7 @@ def test_values_colour_vertices_or_faces(torus, camera):
 
 def test_without_egl_matplotlib_draws_and_says_so_once(torus, camera, monkeypatch):
     monkeypatch.setattr(offscreen, "has_egl", lambda: False)
-    offscreen._warn_missing_egl.cache_clear()
+    offscreen._warn_of_matplotlib.cache_clear()
     with pytest.warns(UserWarning, match="apt.txt: libx11-6"):
         pixels = viewer.render(*torus, camera, size=(60, 45), values=torus[0][:, 0])
     assert pixels.shape == (45, 60, 4)
@@ -135,12 +139,45 @@ def test_without_egl_matplotlib_draws_and_says_so_once(torus, camera, monkeypatc
     viewer.render(*torus, camera, size=(60, 45))  # a second warning would be an error
 
 
+@needs_egl
+@pytest.mark.parametrize("cmap", viewer.CMAPS)
+def test_a_cmap_has_the_same_colours_in_polyscope_and_at_the_colour_bar(cmap):
+    V, F = np.eye(3), np.array([[0, 1, 2]])
+    camera = Camera.around(V, (1, 1, 1))
+    stops = Scale(0, 1, cmap).stops()
+    for k in (0, 8, 16):
+        options = {"values": np.full(3, k / 16), "limits": (0, 1), "cmap": cmap}
+        drawn = viewer.render(V, F, camera, size=(9, 9), **options)[4, 4, :3].astype(int)
+        named = np.array([int(stops[k][i : i + 2], 16) for i in (1, 3, 5)])
+        # The light makes colours paler, but keeps which channel is the stronger.
+        differ = np.abs(named - named[:, None]) > 20
+        assert np.all(
+            np.sign(drawn - drawn[:, None])[differ] == np.sign(named - named[:, None])[differ]
+        )
+
+
+def test_matplotlib_paints_values_and_edges_from_far_to_near():
+    near, far = np.eye(3), np.eye(3) - 1
+    V, F = np.concatenate([near, far]), np.array([[0, 1, 2], [3, 4, 5]])
+    camera = Camera.around(V, (1, 1, 1))
+    for faces in (F, F[::-1]):
+        values = np.where(faces[:, 0] == 0, 1.0, 0.0)
+        pixels = paint(Panel(V, faces, values), camera, (41, 41), Scale(0, 1, "coolwarm"))
+        red, _, blue, opacity = pixels[20, 20].astype(int)
+        assert red > blue  # the near face's, whichever comes first
+        assert opacity == 255
+    plain, lined = (paint(Panel(V, F, edges=edges), camera, (41, 41)) for edges in (False, True))
+    assert (
+        lined[:, :, :3][lined[:, :, 3] == 255].min() < plain[:, :, :3][plain[:, :, 3] == 255].min()
+    )
+
+
 def test_scale():
     a, b = np.array([0.0, 2.0]), np.array([-1.0, 1.0])
-    assert offscreen.Scale.of([None, None]) is None
-    assert offscreen.Scale.of([a, None, b]) == offscreen.Scale(-1, 2)
-    assert offscreen.Scale.of([a], limits=(0, 5), colours="magma").high == 5
-    constant = offscreen.Scale.of([np.ones(3)])
+    assert Scale.of([None, None]) is None
+    assert Scale.of([a, None, b]) == Scale(-1, 2)
+    assert Scale.of([a], limits=(0, 5), cmap="magma").high == 5
+    constant = Scale.of([np.ones(3)])
     assert constant.low < constant.high
 
 
@@ -151,11 +188,11 @@ def test_colourings_of_a_sphere_that_has_grown():
     V, F = shapes.icosphere(3)
     grown = 1.1 * V
     edge = np.linalg.norm(V[F[:, 0]] - V[F[:, 1]], axis=1).mean()
-    values = {name: c.of(V, F)(grown) for name, c in colouring.COLOURINGS.items()}
+    values = {name: c.of(V, F)(grown) for name, c in coloring.COLORINGS.items()}
     np.testing.assert_allclose(values["displacement"], 0.1 / edge, rtol=0.05)
     np.testing.assert_allclose(values["normal angle"], 0, atol=1e-6)
     assert np.median(values["curvature"]) == pytest.approx(edge / 1.1, rel=0.02)
-    low, high = colouring.limits(values["curvature"])
+    low, high = coloring.limits(values["curvature"])
     assert low == 0 < high
 
 
@@ -163,7 +200,7 @@ def test_normal_angle_has_a_value_for_faces_without_area():
     V = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [2, 0, 0]])
     F = np.array([[0, 1, 2], [0, 1, 3]])
     turned = V[:, [0, 2, 1]]
-    np.testing.assert_allclose(colouring.normal_angle(V, F)(turned), [90, 0])
+    np.testing.assert_allclose(coloring.normal_angle(V, F)(turned), [90, 0])
 
 
 # Views
@@ -185,10 +222,20 @@ def test_a_view_refuses_what_does_not_fit(torus):
     V, F = torus
     with pytest.raises(ValueError, match="titles has 1 entries; give one for each of 2 panels"):
         View([V, V], F, titles=["a"], backend="k3d")
-    with pytest.raises(MeshError, match="one for each of the 288 vertices or of the 576 faces"):
+    with pytest.raises(MeshError, match="number for each of the 288 vertices or of the 576 faces"):
         View(V, F, values=[1.0, 2.0], backend="k3d")
-    with pytest.raises(ValueError, match="'polyscope' or 'k3d'"):
+    with pytest.raises(ValueError, match="give one of polyscope, k3d"):
         View(V, F, backend="vtk")
+    with pytest.raises(ValueError, match="cmap is 'Reds'; give one of viridis"):
+        View(V, F, cmap="Reds", backend="k3d")
+    with pytest.raises(ValueError, match=r"up is .* parallel to direction"):
+        View(V, F, up=(0, 0, 1), direction=(0, 0, -2), backend="k3d")
+    view = View(V, F, backend="k3d")
+    with pytest.raises(ValueError, match="panel is -1; give one of 0"):
+        view.update(V, panel=-1)
+    with pytest.raises(ValueError, match="limits is"):
+        view.color_by("height", limits=(1, 0))
+    assert view.label == ""
 
 
 @needs_egl
@@ -216,7 +263,7 @@ class Page:
 
     def __init__(self, view, width=120, height=90, answer=True):
         self.frames, self.errors = [], []
-        self._page, self._answer = view._page, answer
+        self._page, self._answer = view._backend, answer
         self._came = threading.Condition()
         view.widget.send = self._receive
         self.send(kind="layout", width=width, height=height, ratio=2, background=[1, 1, 1])
@@ -325,7 +372,7 @@ def test_the_page_is_told_what_failed(torus, monkeypatch):
     def broken(*arguments, **named):
         raise RuntimeError("the GL is gone")
 
-    monkeypatch.setattr(offscreen, "draw", broken)
+    monkeypatch.setattr(offscreen.Scene, "draw", broken)
     page = Page(View(*torus))
     message, _ = page.wait_for(lambda m: m["kind"] == "error")
     assert message["text"] == "RuntimeError: the GL is gone"
@@ -340,7 +387,7 @@ def test_a_frame_has_the_colour_bar_of_its_values(torus):
     assert message["bar"]["label"] == "height (units)"
     assert message["bar"]["high"] == pytest.approx(V[:, 2].max())
     assert len(message["bar"]["stops"]) == 17
-    view.colour_by("other", limits=(0, 1))
+    view.color_by("other", limits=(0, 1))
     page.wait_for(lambda m: m["bar"]["label"] == "other" and m["bar"]["high"] == 1)
     view.update()
     page.wait_for(lambda m: m["bar"] is None)
@@ -350,42 +397,112 @@ def test_k3d_shows_the_same_meshes_where_there_is_no_egl(torus, monkeypatch):
     V, F = torus
     monkeypatch.setattr(viewer.view, "has_egl", lambda: False)
     view = View([V, V], F, titles=["<a>", "b"], values=[None, V[:, 0]])
-    first, second = view._page._meshes
+    first, second = view._backend._meshes
     np.testing.assert_allclose(first.vertices, V, rtol=1e-6)
     assert len(second.attribute) == len(V)
-    assert view._page._titles[0].value == "&lt;a&gt;"
-    assert "linear-gradient" in view._page._bar.value
+    assert view._backend._titles[0].value == "&lt;a&gt;"
+    assert "linear-gradient" in view._backend._bar.value
     view.update(2 * V, values=np.arange(len(F)), title="c")
     np.testing.assert_allclose(first.vertices, 2 * V, rtol=1e-6)
     assert len(first.triangles_attribute) == len(F)
     sphere = shapes.icosphere(1)
     view.update(sphere[0], F=sphere[1])
-    assert len(view._page._meshes[0].vertices) == len(sphere[0])
+    assert len(view._backend._meshes[0].vertices) == len(sphere[0])
     view.look_at(V[:12])
-    np.testing.assert_allclose(view._page._plots[1].camera[:3], view.camera.position)
+    np.testing.assert_allclose(view._backend._plots[1].camera[:3], view.camera.position)
 
 
 # What is missing
 
-
-def test_the_viewer_needs_no_library_before_it_draws():
-    optional = {"anywidget", "ipywidgets", "k3d", "polyscope", "matplotlib", "igl"}
-    code = f"import meshfair.viewer, sys; print(*{optional} & set(sys.modules))"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == []
+OPTIONAL = ["anywidget", "ipywidgets", "k3d", "matplotlib", "PIL", "polyscope", "traitlets"]
 
 
-@pytest.mark.parametrize(
-    ("backend", "module", "library"),
-    [("polyscope", "frames", "anywidget"), ("k3d", "in_page", "k3d")],
-)
-def test_a_missing_library_is_named_in_one_line(torus, monkeypatch, backend, module, library):
-    monkeypatch.setitem(sys.modules, library, None)
-    monkeypatch.delitem(sys.modules, f"meshfair.viewer.{module}", raising=False)
-    with pytest.raises(ImportError, match=f"needs {library}.*run: pip install") as caught:
-        View(*torus, backend=backend)
-    assert "\n" not in str(caught.value)
-    assert libraries.EXTRA in str(caught.value)
+def python(code, *blocked):
+    """Run some code in a Python of its own in which some libraries are not installed."""
+    block = f"import sys; sys.modules.update(dict.fromkeys({blocked}))\n"
+    done = subprocess.run(
+        [sys.executable, "-c", block + code], capture_output=True, text=True, timeout=60
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_the_viewer_loads_no_library_before_it_draws():
+    code = "import meshfair.viewer; print(*(name for name, m in sys.modules.items() if m))"
+    loaded = {name.split(".")[0] for name in python(code).split()}
+    assert "meshfair" in loaded
+    assert loaded.isdisjoint([*OPTIONAL, "igl"])
+
+
+def test_without_any_optional_library_each_use_says_what_to_install():
+    said = python(
+        """
+import warnings
+from meshfair import shapes, viewer
+
+warnings.simplefilter("ignore")  # matplotlib would draw in place of polyscope, were it there
+V, F = shapes.icosphere(1)
+camera = viewer.Camera.around(V, (1, 1, 1))
+viewer.window.has_screen = lambda: True
+assert not viewer.has_egl()
+
+
+def explorer():
+    import meshfair.explorers
+
+
+for use in (
+    lambda: viewer.render(V, F, camera),
+    lambda: viewer.show(V, F),
+    lambda: viewer.View(V, F),
+    lambda: viewer.View(V, F, backend="polyscope"),
+    explorer,
+):
+    try:
+        use()
+    except ImportError as error:
+        print(error)
+    else:
+        print("nothing missing")
+""",
+        *OPTIONAL,
+    ).splitlines()
+    assert [line.split(" (")[0] for line in said] == [
+        "a picture of a mesh needs matplotlib",
+        "a window needs polyscope",
+        "a live view without EGL needs ipywidgets",
+        "a live view needs anywidget",
+        "an explorer needs anywidget",
+    ]
+    ends = [line.split("; run: ")[1] for line in said]
+    assert ends == [libraries.install(extra) for extra in ["viewer"] * 2 + ["notebooks"] * 3]
+
+
+def test_without_polyscope_matplotlib_draws_and_says_why():
+    said = python(
+        """
+import warnings
+from meshfair import shapes, viewer
+
+V, F = shapes.icosphere(1)
+with warnings.catch_warnings(record=True) as caught:
+    warnings.simplefilter("always")
+    pixels = viewer.render(V, F, viewer.Camera.around(V, (1, 1, 1)), size=(40, 30))
+print(pixels.shape, pixels[15, 20, 3], *(warning.message for warning in caught))
+""",
+        "polyscope",
+    )
+    assert said.startswith("(30, 40, 4) 255 polyscope is not installed, so meshes are drawn with")
+    assert said.rstrip().endswith(libraries.install("viewer"))
+
+
+def test_an_error_of_ours_is_not_called_a_missing_library():
+    with (
+        pytest.raises(ImportError, match="cannot import name") as caught,
+        libraries.needed_for("x"),
+    ):
+        from meshfair.viewer import nothing  # noqa: F401
+    assert "install" not in str(caught.value)
 
 
 # The window

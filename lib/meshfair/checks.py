@@ -270,6 +270,96 @@ def check_choice(value: Choice, name: str, choices: Iterable[Choice]) -> Choice:
     return value
 
 
+def check_values(values: ArrayLike, n: int, m: int, name: str = "values") -> Floats:
+    """Validate one number for each vertex, or for each face.
+
+    Parameters
+    ----------
+    values : array_like, shape (n,) or (m,)
+    n, m : int
+        Number of vertices, and of faces.
+    name : str
+        What the message calls them.
+
+    Returns
+    -------
+    ndarray of float64, shape (n,) or (m,)
+        A new array.
+
+    Raises
+    ------
+    MeshError
+        Another shape, not real numbers, NaN or infinite values.
+    """
+    wanted = f"give one number for each of the {n} vertices or of the {m} faces"
+    try:
+        array = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise MeshError(f"{name} holds something other than real numbers; {wanted}") from None
+    if array.shape not in ((n,), (m,)):
+        raise MeshError(f"{name} has shape {array.shape}; {wanted}")
+    if not np.isfinite(array).all():
+        row = np.flatnonzero(~np.isfinite(array))[0]
+        raise MeshError(f"{name}: number {row} is {array[row]}; give finite numbers")
+    return array
+
+
+def check_range(limits: Any, name: str) -> tuple[float, float]:
+    """Validate the two ends of a range.
+
+    Parameters
+    ----------
+    limits : object
+    name : str
+        What the message calls them.
+
+    Returns
+    -------
+    (float, float)
+
+    Raises
+    ------
+    ValueError
+        Not two finite numbers, the smaller one first.
+    """
+    try:
+        low, high = (float(end) for end in limits)
+    except (TypeError, ValueError):
+        low, high = np.inf, -np.inf
+    if not (np.isfinite([low, high]).all() and low <= high):
+        raise ValueError(f"{name} is {limits!r}; give two numbers, the smaller one first")
+    return low, high
+
+
+def check_direction(direction: Any, name: str) -> Floats:
+    """Validate a direction in space.
+
+    Parameters
+    ----------
+    direction : object
+    name : str
+        What the message calls it.
+
+    Returns
+    -------
+    ndarray of float64, shape (3,)
+        Of length 1.
+
+    Raises
+    ------
+    ValueError
+        Not three finite numbers, or all of them zero.
+    """
+    try:
+        vector = np.array(direction, dtype=np.float64)
+    except (TypeError, ValueError):
+        vector = np.zeros(0)
+    length = np.linalg.norm(vector)
+    if vector.shape != (3,) or not np.isfinite(length) or length == 0:
+        raise ValueError(f"{name} is {direction!r}; give three numbers that are not all zero")
+    return vector / length
+
+
 def check_rng(rng: Any) -> np.random.Generator:
     """Validate a generator of random numbers.
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 # One colour for each weights, told apart by colour-blind readers too (Okabe, Ito).
-WEIGHT_COLOURS = {"combinatorial": "#0072B2", "distance": "#D55E00", "cotangent": "#009E73"}
+WEIGHT_COLORS = {"combinatorial": "#0072B2", "distance": "#D55E00", "cotangent": "#009E73"}
 WEIGHT_MARKS = {"combinatorial": "o", "distance": "s", "cotangent": "^"}
 
 STYLE: dict[Any, Any] = {  # any of matplotlib's names, which differ between its versions
@@ -90,7 +90,7 @@ def draw_curves(
         Mark the best point of each curve.
     """
     for name, rows in table.groupby("weights", sort=False):
-        colour = WEIGHT_COLOURS[name]
+        colour = WEIGHT_COLORS[name]
         axes.plot(rows[x], rows[y], color=colour, label=name)
         if best:
             top = rows.loc[rows[y].idxmax() if best == "max" else rows[y].idxmin()]

@@ -1,29 +1,32 @@
 """Sliders beside a mesh: what the notebooks let a student try.
 
 An explorer holds no mathematics: it calls the package with what its controls
-say, and shows what comes back. Its ``controls`` can be set by code, too:
+say, and shows the result. Its ``controls`` can be set by code, too:
 
 >>> explorer = HeatExplorer(*shapes.knot())        # doctest: +SKIP
 >>> explorer.controls["tau"].value = 0.5           # doctest: +SKIP
 """
 
-from meshfair.explorers.chart import Chart
-from meshfair.explorers.explorer import Explorer
-from meshfair.explorers.filters import FilterExplorer
-from meshfair.explorers.flows import (
-    AveragingExplorer,
-    ComparisonExplorer,
-    DenoisingExplorer,
-    HeatExplorer,
-    JetExplorer,
-)
-from meshfair.explorers.noises import NoiseExplorer
-from meshfair.explorers.stability import StabilityExplorer
+from meshfair.viewer.libraries import needed_for
+
+with needed_for("an explorer"):
+    from meshfair.explorers.curves import CurvePlot
+    from meshfair.explorers.explorer import Explorer
+    from meshfair.explorers.filters import FilterExplorer
+    from meshfair.explorers.flows import (
+        AveragingExplorer,
+        ComparisonExplorer,
+        DenoisingExplorer,
+        HeatExplorer,
+        JetExplorer,
+    )
+    from meshfair.explorers.noises import NoiseExplorer
+    from meshfair.explorers.stability import StabilityExplorer
 
 __all__ = [
     "AveragingExplorer",
-    "Chart",
     "ComparisonExplorer",
+    "CurvePlot",
     "DenoisingExplorer",
     "Explorer",
     "FilterExplorer",

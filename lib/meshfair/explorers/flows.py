@@ -1,32 +1,44 @@
-"""Heat flow and averaging: a mesh at every step, and the curve of its SNR."""
+"""Heat flow and averaging: a mesh at every iteration, and the curve of its SNR."""
+
+from __future__ import annotations
 
 import threading
 import time
 import warnings
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
 
+import ipywidgets as widgets
 import numpy as np
+from numpy.typing import ArrayLike
+from scipy.sparse import csr_array
 
-from meshfair import flow
-from meshfair.checks import StabilityWarning
-from meshfair.experiments.cases import NOISE, WEIGHTS, add_noise, operator
-from meshfair.explorers.chart import Chart
+from meshfair import flow, noise
+from meshfair.checks import Floats, Integers, StabilityWarning, check_count, check_mesh
+from meshfair.explorers.curves import CurvePlot
 from meshfair.explorers.explorer import (
     PLAIN,
     Explorer,
+    Settings,
     choice,
-    colour_choice,
+    color_choice,
+    noise_choice,
     size_slider,
     slider,
     tau_slider,
     weights_choice,
-    widgets,
 )
+from meshfair.explorers.worker import Job
 from meshfair.metrics import snr, volume_change
-from meshfair.plotting import WEIGHT_COLOURS
+from meshfair.operators import averaging
+from meshfair.plotting import WEIGHT_COLORS
 from meshfair.shapes import jet, jet_labels
-from meshfair.viewer import View, colouring
+from meshfair.viewer import View, coloring
+from meshfair.weights import BY_NAME
 
 GROWTH = 0.3  # seconds between two pictures of a curve that is still being computed
+
+Values = Callable[[Floats], Floats | None]
 
 
 class Start:
@@ -38,14 +50,14 @@ class Start:
     F : ndarray of int64, shape (m, 3)
     """
 
-    def __init__(self, V_true, V_noisy, F):
+    def __init__(self, V_true: Floats, V_noisy: Floats, F: Integers) -> None:
         self.V_true, self.V_noisy, self.F = V_true, V_noisy, F
-        self._operators = {}
+        self._operators: dict[str, csr_array] = {}
 
-    def operator(self, name):
-        """The averaging operator with weights by name, see `experiments.cases.operator`."""
+    def operator(self, name: str) -> csr_array:
+        """The averaging operator with weights by name, see `meshfair.weights.BY_NAME`."""
         if name not in self._operators:
-            self._operators[name] = operator(self.V_noisy, self.F, name)
+            self._operators[name] = averaging(BY_NAME[name](self.V_noisy, self.F))
         return self._operators[name]
 
 
@@ -60,30 +72,31 @@ class Run:
     tau : float
     """
 
-    def __init__(self, start, names, tau):
+    def __init__(self, start: Start, names: Sequence[str], tau: float) -> None:
         self.start, self.tau = start, tau
-        self.states = {name: [] for name in names}  # the mesh after each step
-        self.curves = {name: [] for name in names}  # what is measured of it
+        # The mesh after each iteration, and what is measured of it.
+        self.states: dict[str, list[Floats]] = {name: [] for name in names}
+        self.curves: dict[str, list[float]] = {name: [] for name in names}
         self.shown = False
-        self._colours = {}
+        self._colors: dict[str, tuple[coloring.Quantity, tuple[float, float]]] = {}
 
     @property
-    def steps(self):
-        """How many steps all flows have made; -1 before the first mesh is there."""
+    def iterations(self) -> int:
+        """How many iterations all flows have made; -1 before the first mesh is there."""
         return min(map(len, self.curves.values())) - 1
 
-    def colours(self, name):
+    def colors(self, name: str) -> tuple[coloring.Quantity, tuple[float, float]]:
         """A function from positions to values, and the ends of their colour bar."""
-        if name not in self._colours:
+        if name not in self._colors:
             start = self.start
-            values = colouring.COLOURINGS[name].of(start.V_true, start.F)
+            values = coloring.COLORINGS[name].of(start.V_true, start.F)
             # The noisy mesh sets the limits, so that the colours fade as the noise goes.
-            self._colours[name] = values, colouring.limits(values(start.V_noisy))
-        return self._colours[name]
+            self._colors[name] = values, coloring.limits(values(start.V_noisy))
+        return self._colors[name]
 
 
 class FlowExplorer(Explorer):
-    """What the explorers of flows share: all steps are computed once, then shown at will.
+    """What the explorers of flows share: all iterations are computed once, then shown at will.
 
     A control that changes the flow starts it anew in the background. Those
     in ``quick`` choose what is shown of it, and do so at once.
@@ -91,7 +104,7 @@ class FlowExplorer(Explorer):
     Parameters
     ----------
     V : array_like, shape (n, 3)
-        The clean mesh.
+        The ground truth.
     F : array_like of integers, shape (m, 3)
     size : float
         First size of the noise along the normals, in mean edge lengths.
@@ -99,83 +112,104 @@ class FlowExplorer(Explorer):
         Of the noise.
     tau : float
         First time step.
-    steps : int
-        Number of steps that are computed.
+    iterations : int
+        How many are computed.
     """
 
     measure = "SNR"
     unit = "dB"
     clock = "time t"
-    quick = ("step", "colour")
+    quick: tuple[str, ...] = ("iteration", "color")
     tau_range = (0.05, 1.0)
 
-    def __init__(self, V, F, *, size=0.2, seed=1, tau=0.2, steps=40):
+    def __init__(
+        self,
+        V: ArrayLike,
+        F: ArrayLike,
+        *,
+        size: float = 0.2,
+        seed: int = 1,
+        tau: float = 0.2,
+        iterations: int = 40,
+    ) -> None:
         super().__init__()
-        self._mesh, self._seed, self._steps = (V, F), seed, steps
-        self._run = None
-        self._started = (None, None)  # settings, and the Start that they gave
+        self._mesh, self._seed = check_mesh(V, F), seed
+        self._iterations = check_count(iterations, "iterations", 1)
+        self._run: Run | None = None
+        # Settings, and the start that they gave.
+        self._started: tuple[Settings, Start] | None = None
         self._showing = threading.RLock()  # a slider and the background work both show
-        step = slider(
-            widgets.IntSlider, "step", 0, 0, steps, 1, "How many steps of the flow are shown"
+        iteration = slider(
+            widgets.IntSlider,
+            "iteration",
+            "After how many iterations of the flow the mesh is shown",
+            value=0,
+            ends=(0, iterations),
+            step=1,
         )
-        self.charts = [
-            Chart(
+        self.plots = self._make_plots()
+        self.plots[0].observe(self._picked, names="picked")
+        self.controls = {
+            **self._flow_controls(size, tau),
+            "color": color_choice(),
+            "iteration": iteration,
+        }
+        self.view = self._make_view()
+        play = widgets.Play(min=0, max=iterations, interval=150, show_repeat=True)
+        widgets.jslink((play, "value"), (iteration, "value"))
+        self._begin(extra=[play])
+
+    def _flow_controls(self, size: float, tau: float) -> dict[str, Any]:
+        """The controls that start the flow anew."""
+        raise NotImplementedError
+
+    def _make_view(self) -> View:
+        """The view with its panels, on the ground truth."""
+        raise NotImplementedError
+
+    def _make_plots(self) -> list[CurvePlot]:
+        """The plots, the one along the flow first."""
+        return [
+            CurvePlot(
                 title=f"{self.measure} along the flow",
                 x_label=self.clock,
                 y_label=f"{self.measure} ({self.unit})",
             )
         ]
-        self.charts[0].observe(self._picked, names="picked")
-        self.controls = {
-            **self._flow_controls(size, tau),
-            "colour": colour_choice(),
-            "step": step,
-        }
-        self.view = self._make_view()
-        play = widgets.Play(min=0, max=steps, interval=150, show_repeat=True)
-        widgets.jslink((play, "value"), (step, "value"))
-        self._begin(extra=[play])
 
-    def _flow_controls(self, size, tau):
-        """The controls that start the flow anew."""
-        raise NotImplementedError
-
-    def _make_view(self):
-        """The view with its panels, on the clean mesh."""
-        raise NotImplementedError
-
-    def _names(self, settings):
+    def _names(self, settings: Settings) -> tuple[str, ...]:
         """The weights whose flows are wanted."""
         return (settings["weights"],)
 
-    def _start(self, settings):
+    def _start(self, settings: Settings) -> Start:
         """The noisy mesh that the settings ask for."""
         V, F = self._mesh
-        return Start(V, add_noise(V, F, "normals", self._seed, size=settings["size"]), F)
+        rng = np.random.default_rng(self._seed)
+        return Start(V, noise.add(V, F, "normals", rng, size=settings["size"]), F)
 
-    def _measured(self, V, start):
+    def _measured(self, V: Floats, start: Start) -> float:
         """One number about a state, for the curve."""
         return snr(start.V_true, V)
 
-    def _panel(self, name):
+    def _panel(self, name: str) -> int:
         """The panel in which the flow with some weights is seen."""
         return len(self.view.panels) - 1
 
-    def _show_start(self, run, values):
-        """Show what all steps have in common, once for each run."""
+    def _show_start(self, run: Run, values: Values) -> None:
+        """Show what all iterations have in common, once for each run."""
 
     # The work, in the background.
 
-    def _work(self, job, settings):
-        run = self._make_run(settings)
+    def _work(self, job: Job, settings: Settings) -> None:
+        run = Run(self._start_of(settings), self._names(settings), settings.get("tau", 1.0))
         self._run = run
-        wanted = settings["step"]
+        wanted = settings["iteration"]
         growth = time.monotonic() + GROWTH
         for k, states in enumerate(self._flows(run)):
             for name, V in states.items():
                 run.states[name].append(V)
                 run.curves[name].append(self._measured(V, run.start))
-                job.progress(k / self._steps)
+                job.progress(k / self._iterations)
             if k == wanted:
                 self._show()
             if time.monotonic() > growth:
@@ -184,15 +218,15 @@ class FlowExplorer(Explorer):
         self._show()
         self._draw_curves(run)
 
-    def _make_run(self, settings):
-        # The start is kept while only the time step or the weights change.
+    def _start_of(self, settings: Settings) -> Start:
+        """`_start`, kept while only the time step or the weights change."""
         key = {k: v for k, v in settings.items() if k not in (*self.quick, "tau", "weights")}
-        if self._started[0] != key:
+        if self._started is None or self._started[0] != key:
             self._started = (key, self._start(settings))
-        return Run(self._started[1], self._names(settings), settings.get("tau", 1.0))
+        return self._started[1]
 
-    def _flows(self, run):
-        """Yield the meshes after 0, 1, ... steps, by weights; say what is said of stability."""
+    def _flows(self, run: Run) -> Iterator[dict[str, Floats]]:
+        """Yield the meshes after 0, 1, ... iterations, by weights; say what is warned of."""
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", StabilityWarning)
             flows = {
@@ -200,7 +234,7 @@ class FlowExplorer(Explorer):
                     run.start.V_noisy,
                     run.start.operator(name),
                     run.tau,
-                    run.tau * self._steps,
+                    run.tau * self._iterations,
                 )
                 for name in run.states
             }
@@ -208,81 +242,81 @@ class FlowExplorer(Explorer):
         for states in zip(*flows.values(), strict=True):
             yield {name: V for name, (_, V) in zip(flows, states, strict=True)}
 
-    def _draw_curves(self, run):
+    def _draw_curves(self, run: Run) -> None:
         curves = {
             name: (run.tau * np.arange(len(curve)), curve) for name, curve in run.curves.items()
         }
-        ends = (0, run.tau * self._steps)
-        self.charts[0].draw(curves, colours=WEIGHT_COLOURS, x_range=ends)
+        ends = (0, run.tau * self._iterations)
+        self.plots[0].draw(curves, colors=WEIGHT_COLORS, x_range=ends)
 
     # What is shown of it, at once.
 
-    def _changed(self, name):
+    def _changed(self, name: str) -> None:
         if name in self.quick and self._run is not None:
-            self._show(anew=name != "step")
+            self._show(anew=name != "iteration")
         else:
-            self._ask()
+            self._request()
 
-    def _picked(self, change):
-        """Go to the step at which the reader clicked in the chart."""
+    def _picked(self, change: dict[str, Any]) -> None:
+        """Go to the iteration at which the reader clicked in the plot."""
         if self._run is not None:
-            step = round(change["new"] / self._run.tau)
-            self.controls["step"].value = min(max(step, 0), self._steps)
+            iteration = round(change["new"] / self._run.tau)
+            self.controls["iteration"].value = min(max(iteration, 0), self._iterations)
 
-    def _show(self, anew=False):
-        """Show the wanted step, or the last one that there is."""
+    def _show(self, anew: bool = False) -> None:
+        """Show the wanted iteration, or the last one that there is."""
         with self._showing, self.view.together():
             run, settings = self._run, self.settings()
-            step = min(settings["step"], run.steps)
-            if step < 0:
+            if run is None or run.iterations < 0:
                 return
-            values = _no_values
-            if settings["colour"] != PLAIN:
-                values, limits = run.colours(settings["colour"])
-                self.view.colour_by(colouring.COLOURINGS[settings["colour"]].label, limits)
+            iteration = min(settings["iteration"], run.iterations)
+            values: Values = _no_values
+            if settings["color"] != PLAIN:
+                values, limits = run.colors(settings["color"])
+                self.view.color_by(coloring.COLORINGS[settings["color"]].label, limits)
             if anew or not run.shown:
                 self._show_start(run, values)
                 run.shown = True
             for name, states in run.states.items():
-                V = states[step]
+                V = states[iteration]
                 self.view.update(
                     V,
                     panel=self._panel(name),
                     F=run.start.F,
                     values=values(V),
-                    title=self._title(name, step, run),
+                    title=self._title(name, iteration, run),
                 )
-            self.charts[0].marker = step * run.tau
+            self.plots[0].marker = iteration * run.tau
 
-    def _title(self, name, step, run):
+    def _title(self, name: str, iteration: int, run: Run) -> str:
         return (
-            f"{name}, {self._time(step, run)}, "
-            f"{self.measure} {run.curves[name][step]:.2f} {self.unit}"
+            f"{name}, {self._time(iteration, run)}, "
+            f"{self.measure} {run.curves[name][iteration]:.2f} {self.unit}"
         )
 
-    def _time(self, step, run):
-        return f"t = {step * run.tau:.2f}"
+    def _time(self, iteration: int, run: Run) -> str:
+        return f"t = {iteration * run.tau:.2f}"
 
 
-def _no_values(V):
+def _no_values(V: Floats) -> None:
     return None
 
 
 class HeatExplorer(FlowExplorer):
-    """The heat equation on one mesh: clean, noisy and denoised; step, time, stopping time."""
+    """The heat equation on one mesh: ground truth, noisy and denoised; where to stop."""
 
-    def _flow_controls(self, size, tau):
+    def _flow_controls(self, size: float, tau: float) -> dict[str, Any]:
         return {
             "weights": weights_choice(),
             "size": size_slider(size),
             "tau": tau_slider(tau, self.tau_range),
         }
 
-    def _make_view(self):
+    def _make_view(self) -> View:
         V, F = self._mesh
-        return View([V, V, V], F, titles=["clean", "noisy", "denoised"])
+        return View([V, V, V], F, titles=["ground truth", "noisy", "denoised"])
 
-    def _show_start(self, run, values):
+    def _show_start(self, run: Run, values: Values) -> None:
         V_noisy = run.start.V_noisy
         decibels = next(iter(run.curves.values()))[0]
         self.view.update(
@@ -295,28 +329,28 @@ class AveragingExplorer(HeatExplorer):
 
     clock = "iterations s"
 
-    def _flow_controls(self, size, tau):
+    def _flow_controls(self, size: float, tau: float) -> dict[str, Any]:
         return {"weights": weights_choice(), "size": size_slider(size)}
 
-    def _time(self, step, run):
-        return f"s = {step}"
+    def _time(self, iteration: int, run: Run) -> str:
+        return f"s = {iteration}"
 
 
 class ComparisonExplorer(FlowExplorer):
     """The three weights side by side, on one mesh with one noise."""
 
-    def _flow_controls(self, size, tau):
+    def _flow_controls(self, size: float, tau: float) -> dict[str, Any]:
         return {"size": size_slider(size), "tau": tau_slider(tau, self.tau_range)}
 
-    def _make_view(self):
+    def _make_view(self) -> View:
         V, F = self._mesh
-        return View([V] * len(WEIGHTS), F, titles=list(WEIGHTS))
+        return View([V] * len(BY_NAME), F, titles=list(BY_NAME))
 
-    def _names(self, settings):
-        return tuple(WEIGHTS)
+    def _names(self, settings: Settings) -> tuple[str, ...]:
+        return tuple(BY_NAME)
 
-    def _panel(self, name):
-        return list(WEIGHTS).index(name)
+    def _panel(self, name: str) -> int:
+        return list(BY_NAME).index(name)
 
 
 class JetExplorer(ComparisonExplorer):
@@ -328,48 +362,63 @@ class JetExplorer(ComparisonExplorer):
         Sampling of the jet, see `meshfair.shapes.jet`.
     decibels : float
         First SNR of the noisy jet.
-    seed, tau, steps
+    seed, tau, iterations
         As in `FlowExplorer`.
     """
 
-    quick = ("step", "colour", "look")
+    quick = ("iteration", "color", "look")
     whole, closer = "the aircraft", "a wing-tip missile"
 
-    def __init__(self, *, detail=1.0, decibels=22.7, seed=1, tau=0.2, steps=20):
+    def __init__(
+        self,
+        *,
+        detail: float = 1.0,
+        decibels: float = 22.7,
+        seed: int = 1,
+        tau: float = 0.2,
+        iterations: int = 20,
+    ) -> None:
         self._detail, self._decibels = detail, decibels
-        super().__init__(*jet(detail=detail), seed=seed, tau=tau, steps=steps)
+        super().__init__(*jet(detail=detail), seed=seed, tau=tau, iterations=iterations)
 
-    def _flow_controls(self, size, tau):
+    def _flow_controls(self, size: float, tau: float) -> dict[str, Any]:
         return {
             "missiles": widgets.Checkbox(
                 value=True, description="with missiles", tooltip="Whether the jet has missiles"
             ),
             "look": choice("look at", [self.whole, self.closer], self.whole, "What fills the view"),
-            "noise": choice(
-                "noise", NOISE, "uniform", "How the vertices are moved; uniform as in the seed"
+            "noise": noise_choice(
+                noise.MODELS,
+                "uniform",
+                "How the vertices are moved; uniform as in the original report",
             ),
             "decibels": slider(
-                widgets.FloatSlider, "noise: SNR (dB)", self._decibels, 15.0, 40.0, 0.1,
-                "SNR of the noisy jet: the noise is scaled to it", readout_format=".1f",
+                widgets.FloatSlider,
+                "noise: SNR (dB)",
+                "SNR of the noisy jet: the noise is scaled to it",
+                value=self._decibels,
+                ends=(15.0, 40.0),
+                step=0.1,
+                readout_format=".1f",
             ),
             "tau": tau_slider(tau, self.tau_range),
-        }  # fmt: skip
+        }
 
-    def _make_view(self):
+    def _make_view(self) -> View:
         V, F = self._mesh
-        return View([V] * len(WEIGHTS), F, titles=list(WEIGHTS), direction=(0.7, -0.6, 0.6))
+        return View([V] * len(BY_NAME), F, titles=list(BY_NAME), direction=(0.7, -0.6, 0.6))
 
-    def _start(self, settings):
+    def _start(self, settings: Settings) -> Start:
         V, F = jet(settings["missiles"], self._detail)
-        decibels = settings["decibels"]
-        return Start(V, add_noise(V, F, settings["noise"], self._seed, decibels=decibels), F)
+        rng, decibels = np.random.default_rng(self._seed), settings["decibels"]
+        return Start(V, noise.add(V, F, settings["noise"], rng, decibels=decibels), F)
 
-    def _changed(self, name):
+    def _changed(self, name: str) -> None:
         super()._changed(name)
         if name in ("look", "missiles"):
             self._aim()
 
-    def _aim(self):
+    def _aim(self) -> None:
         """Point the camera at what the settings ask for."""
         settings = self.settings()
         V, _ = jet(settings["missiles"], self._detail)
@@ -381,35 +430,35 @@ class JetExplorer(ComparisonExplorer):
 
 
 class DenoisingExplorer(FlowExplorer):
-    """A mesh of one's own, with no clean one to compare it to: before and after.
+    """A mesh of one's own, with no ground truth to compare it to: before and after.
 
     Parameters
     ----------
     V : array_like, shape (n, 3)
         The mesh as it is.
     F : array_like of integers, shape (m, 3)
-    tau, steps
+    tau, iterations
         As in `FlowExplorer`.
     """
 
     measure = "volume"
     unit = "%"
 
-    def _flow_controls(self, size, tau):
+    def _flow_controls(self, size: float, tau: float) -> dict[str, Any]:
         return {"weights": weights_choice("cotangent"), "tau": tau_slider(tau, self.tau_range)}
 
-    def _make_view(self):
+    def _make_view(self) -> View:
         V, F = self._mesh
         return View([V, V], F, titles=["before", "after"])
 
-    def _start(self, settings):
+    def _start(self, settings: Settings) -> Start:
         V, F = self._mesh
         return Start(V, V, F)
 
-    def _measured(self, V, start):
+    def _measured(self, V: Floats, start: Start) -> float:
         return 100 * (1 + volume_change(V, start.V_true, start.F))
 
-    def mesh(self):
+    def mesh(self) -> tuple[Floats, Integers]:
         """The mesh that the view shows: what to save.
 
         Returns
@@ -418,5 +467,5 @@ class DenoisingExplorer(FlowExplorer):
         F : ndarray of int64, shape (m, 3)
         """
         self.wait()
-        run, settings = self._run, self.settings()
-        return run.states[settings["weights"]][min(settings["step"], run.steps)], run.start.F
+        shown = self.view.panels[1]
+        return shown.V.copy(), shown.F.copy()

@@ -1,25 +1,33 @@
 """The noise models, and what the SNR makes of them."""
 
+from __future__ import annotations
+
+import ipywidgets as widgets
 import numpy as np
+from numpy.typing import ArrayLike
 
 from meshfair import metrics, noise
-from meshfair.explorers.chart import Chart
-from meshfair.explorers.explorer import PLAIN, Explorer, choice, colour_choice, slider, widgets
+from meshfair.checks import Floats, check_mesh
+from meshfair.explorers.curves import CurvePlot
+from meshfair.explorers.explorer import (
+    NOISES,
+    PLAIN,
+    Explorer,
+    Settings,
+    color_choice,
+    noise_choice,
+    slider,
+)
+from meshfair.explorers.worker import Job
 from meshfair.mesh import mean_edge_length
-from meshfair.viewer import View, colouring
+from meshfair.viewer import View, coloring
 
-# Name -> function(V, F, size in mean edge lengths, rng).
-MODELS = {
-    "along normals": noise.along_normals,
-    "Gaussian": noise.gaussian,
-    "uniform": lambda V, F, size, rng: noise.uniform(V, size * mean_edge_length(V, F), rng),
-    "impulsive (one in ten)": lambda V, F, size, rng: noise.impulsive(V, F, size, 0.1, rng),
-}
 SIZES = np.geomspace(0.02, 1, 40)  # of the curve: the SNR is nearly straight over log(size)
+SHARE = 0.1  # of the vertices that impulsive noise moves
 
 
 class NoiseExplorer(Explorer):
-    """A clean mesh beside a noisy one: model, size, seed, and where the origin lies.
+    """The ground truth beside a noisy mesh: model, size, seed, and where the origin lies.
 
     Parameters
     ----------
@@ -29,59 +37,76 @@ class NoiseExplorer(Explorer):
         First size of the noise, in mean edge lengths.
     """
 
-    def __init__(self, V, F, *, size=0.2):
+    def __init__(self, V: ArrayLike, F: ArrayLike, *, size: float = 0.2) -> None:
         super().__init__()
-        self._V, self._F = V, F
-        self._diagonal = np.linalg.norm(np.ptp(V, axis=0))
-        self.view = View([V, V], F, titles=["clean", "noisy"])
-        self.charts = [
-            Chart(
+        self._V, self._F = check_mesh(V, F)
+        self._diagonal = np.linalg.norm(np.ptp(self._V, axis=0))
+        self.view = View([self._V] * 2, self._F, titles=["ground truth", "noisy"])
+        self.plots = [
+            CurvePlot(
                 title="SNR against the size of the noise",
                 x_label="size (mean edge lengths)",
                 y_label="SNR (dB)",
             )
         ]
         self.controls = {
-            "model": choice("noise", MODELS, "along normals", "How the vertices are moved"),
+            "model": noise_choice(NOISES, "normals", "How the vertices are moved"),
             "size": slider(
-                widgets.FloatSlider, "size (edges)", size, 0.0, 1.0, 0.01,
+                widgets.FloatSlider,
+                "size (edges)",
                 "Standard deviation, or for uniform noise its range, in mean edge lengths",
+                value=size,
+                ends=(0.0, 1.0),
+                step=0.01,
             ),
             "seed": slider(
-                widgets.IntSlider, "seed", 1, 0, 20, 1,
+                widgets.IntSlider,
+                "seed",
                 "The same seed draws the same random numbers",
+                value=1,
+                ends=(0, 20),
+                step=1,
             ),
             "shift": slider(
-                widgets.FloatSlider, "shift (diagonals)", 0.0, 0.0, 4.0, 0.1,
-                "Move the clean and the noisy mesh along x, in diagonals of the bounding box",
+                widgets.FloatSlider,
+                "shift (diagonals)",
+                "Move both meshes along x, in diagonals of the bounding box",
+                value=0.0,
+                ends=(0.0, 4.0),
+                step=0.1,
                 readout_format=".1f",
             ),
-            "colour": colour_choice(),
-        }  # fmt: skip
+            "color": color_choice(),
+        }
         self._begin()
 
-    def _work(self, job, settings):
+    def _noisy(self, model: str, size: float, seed: int) -> Floats:
+        """The mesh with noise of a size in mean edge lengths, whatever the model's own unit."""
+        V, F, rng = self._V, self._F, np.random.default_rng(seed)
+        if model == "impulsive":
+            return noise.impulsive(V, F, size, SHARE, rng)
+        unit = mean_edge_length(V, F) if model == "uniform" else 1.0
+        return noise.add(V, F, model, rng, size=size * unit)
+
+    def _work(self, job: Job, settings: Settings) -> None:
         V, F = self._V, self._F
-        model = MODELS[settings["model"]]
-        move = [settings["shift"] * self._diagonal, 0, 0]
+        model, seed = settings["model"], settings["seed"]
+        move = np.array([settings["shift"] * self._diagonal, 0, 0])
 
-        def noisy(size):
-            return model(V, F, size, np.random.default_rng(settings["seed"]))
-
-        V_noisy = noisy(settings["size"])
+        V_noisy = self._noisy(model, settings["size"], seed)
         self.snr = metrics.snr(V + move, V_noisy + move)
         values = None
         with self.view.together():
-            if settings["colour"] != PLAIN:
-                colours = colouring.COLOURINGS[settings["colour"]]
-                values = colours.of(V, F)(V_noisy)
-                self.view.colour_by(colours.label, colouring.limits(values))
-            # The picture stays where it is: moving both meshes changes nothing but the SNR.
+            if settings["color"] != PLAIN:
+                quantity = coloring.COLORINGS[settings["color"]]
+                values = quantity.of(V, F)(V_noisy)
+                self.view.color_by(quantity.label, coloring.limits(values))
+            # The picture stays as it is: moving both meshes changes nothing but the SNR.
             self.view.update(V_noisy, panel=1, values=values, title=f"noisy: {self.snr:.2f} dB")
-        self.charts[0].marker = settings["size"]
+        self.plots[0].marker = settings["size"]
 
         curve = []
         for k, size in enumerate(SIZES):
             job.progress(k / len(SIZES))
-            curve.append(metrics.snr(V + move, noisy(size) + move))
-        self.charts[0].draw({"SNR": (SIZES, curve)}, x_range=(0, 1))
+            curve.append(metrics.snr(V + move, self._noisy(model, size, seed) + move))
+        self.plots[0].draw({"SNR": (SIZES, curve)}, x_range=(0, 1))

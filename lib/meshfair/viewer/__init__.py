@@ -5,12 +5,13 @@
 * `show` opens polyscope's own window, where there is a screen.
 
 Importing this package needs neither polyscope nor Jupyter; they are loaded
-when something is drawn, and a library that is missing is named in one line.
+when something is drawn, and a library that is missing is named in one sentence.
 """
 
 from meshfair.viewer.camera import Camera
 from meshfair.viewer.offscreen import has_egl, on_gl_thread, render
+from meshfair.viewer.panel import CMAPS
 from meshfair.viewer.view import View
 from meshfair.viewer.window import show
 
-__all__ = ["Camera", "View", "has_egl", "on_gl_thread", "render", "show"]
+__all__ = ["CMAPS", "Camera", "View", "has_egl", "on_gl_thread", "render", "show"]

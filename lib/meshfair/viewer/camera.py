@@ -1,29 +1,48 @@
 """Where a picture is taken from."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from meshfair.checks import check_vertices
+from meshfair.checks import Floats, check_direction, check_number, check_vertices
 
 FIELD_OF_VIEW = 25.0  # degrees, vertical: long enough a lens to keep proportions
 POLE = np.radians(3)  # how close an orbit comes to looking straight down, where up has no meaning
 
+Point = tuple[float, float, float]
 
-def _unit(x):
-    return np.asarray(x, float) / np.linalg.norm(x)
+
+def _unit(x: ArrayLike) -> Floats:
+    x = np.asarray(x, dtype=np.float64)
+    return x / np.linalg.norm(x)
+
+
+def _point(x: Floats) -> Point:
+    a, b, c = x.tolist()
+    return a, b, c
 
 
 @dataclass(frozen=True)
 class Camera:
     """Where a picture is taken from, in the units of the mesh."""
 
-    position: tuple
-    target: tuple
-    up: tuple
+    position: Point
+    target: Point
+    up: Point
 
     @classmethod
-    def around(cls, V, direction, up=(0, 0, 1), *, aspect=4 / 3, margin=0.03):
+    def around(
+        cls,
+        V: ArrayLike,
+        direction: ArrayLike,
+        up: ArrayLike = (0, 0, 1),
+        *,
+        aspect: float = 4 / 3,
+        margin: float = 0.03,
+    ) -> Camera:
         """The nearest camera that sees all of a mesh from a direction.
 
         Parameters
@@ -36,17 +55,28 @@ class Camera:
         aspect : float
             Width over height of the picture.
         margin : float
-            Free border on each side, as a share of the picture's half width.
+            Free border on each side, as a share of the picture's half width, 0 to 0.9.
 
         Returns
         -------
         Camera
+
+        Raises
+        ------
+        MeshError, ValueError
+            No vertices; directions that are none, or parallel; ``aspect`` or
+            ``margin`` out of their bounds.
         """
         V = check_vertices(V)
-        back = _unit(direction)
-        right = _unit(np.cross(up, back))
-        frame = np.stack([right, np.cross(back, right), back])
-        X = V @ frame.T
+        back, upright = check_direction(direction, "direction"), check_direction(up, "up")
+        right = np.cross(upright, back)
+        if np.linalg.norm(right) < 1e-9:
+            raise ValueError(f"up is {up!r}, parallel to direction {direction!r}; turn one of them")
+        aspect = check_number(aspect, "aspect", 0, open_low=True)
+        margin = check_number(margin, "margin", 0, 0.9)
+        right = _unit(right)
+        axes = np.stack([right, np.cross(back, right), back])
+        X = V @ axes.T
         tan = np.tan(np.radians(FIELD_OF_VIEW) / 2) * (1 - margin) * np.array([aspect, 1.0])
         # A vertex is in the picture while |x - target| <= (distance - depth) tan, on
         # both sides of each axis; the tightest pair of sides sets target and distance.
@@ -55,10 +85,17 @@ class Camera:
         distance = ((high - low) / (2 * tan)).max()
         x, y = (high + low) / 2
         depth = (X[:, 2].max() + X[:, 2].min()) / 2
-        position, target = np.array([[x, y, distance], [x, y, depth]]) @ frame
-        return cls(tuple(position), tuple(target), tuple(frame[1]))
+        position, target = np.array([[x, y, distance], [x, y, depth]]) @ axes
+        return cls(_point(position), _point(target), _point(axes[1]))
 
-    def orbit(self, yaw, pitch, axis):
+    @property
+    def axes(self) -> Floats:
+        """To the right, upwards and backwards, as unit vectors; shape (3, 3)."""
+        back = _unit(np.subtract(self.position, self.target))
+        right = _unit(np.cross(self.up, back))
+        return np.stack([right, np.cross(back, right), back])
+
+    def orbit(self, yaw: float, pitch: float, axis: ArrayLike) -> Camera:
         """Walk around the target, as on a turntable.
 
         Parameters
@@ -84,21 +121,22 @@ class Camera:
         front = np.cos(yaw) * front + np.sin(yaw) * right
         back = np.cos(polar) * axis + np.sin(polar) * front
         up = _unit(axis - (axis @ back) * back)
-        return Camera(tuple(self.target + distance * back), self.target, tuple(up))
+        return Camera(_point(self.target + distance * back), self.target, _point(up))
 
-    def pan(self, x, y):
+    def pan(self, x: float, y: float) -> Camera:
         """Slide sideways and upwards, by shares of the picture's height.
 
         Returns
         -------
         Camera
         """
-        offset = np.subtract(self.position, self.target)
-        height = 2 * np.linalg.norm(offset) * np.tan(np.radians(FIELD_OF_VIEW) / 2)
-        step = height * (x * _unit(np.cross(self.up, offset)) + y * np.asarray(self.up))
-        return Camera(tuple(self.position + step), tuple(self.target + step), self.up)
+        right, up, _ = self.axes
+        distance = np.linalg.norm(np.subtract(self.position, self.target))
+        height = 2 * distance * np.tan(np.radians(FIELD_OF_VIEW) / 2)
+        step = height * (x * right + y * up)
+        return Camera(_point(self.position + step), _point(self.target + step), self.up)
 
-    def zoom(self, factor):
+    def zoom(self, factor: float) -> Camera:
         """Move to ``factor`` times the distance from the target.
 
         Returns
@@ -106,4 +144,4 @@ class Camera:
         Camera
         """
         offset = np.subtract(self.position, self.target)
-        return Camera(tuple(self.target + factor * offset), self.target, self.up)
+        return Camera(_point(self.target + factor * offset), self.target, self.up)

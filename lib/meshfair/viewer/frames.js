@@ -8,7 +8,7 @@
 // To here:    frame   pictures of some panels, their titles and the colour bar
 //             error   a line to show
 
-const PATIENCE = 3000; // ms until a first frame that did not come is asked for again
+const RETRY = 3000; // ms until a first frame that did not come is asked for again
 const REST = 250; // ms without a new frame until good frames are asked for
 const SCROLL = 400; // ms within which a wheel goes on scrolling the page
 const HINT = "drag to turn · shift-drag to move · wheel to zoom";
@@ -234,10 +234,10 @@ function render({ model, el }) {
   const asking = setInterval(() => {
     known = "";
     layout();
-  }, PATIENCE);
+  }, RETRY);
   const size = new ResizeObserver(layout);
   size.observe(panels[0].stage);
-  // Both JupyterLab and VS Code tell their theme by an attribute of the body.
+  // Both JupyterLab and VS Code set their theme as an attribute of the body.
   const theme = new MutationObserver(() => setTimeout(layout, 100));
   theme.observe(document.body, { attributes: true });
 

@@ -7,17 +7,23 @@ While something moves, frames are drafts; when it has come to rest, the page
 asks for good ones.
 """
 
+from __future__ import annotations
+
 import io
 import threading
 import time
+from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
+import anywidget
 import traitlets
 from PIL import Image
 
-from meshfair.viewer import libraries, offscreen
-
-anywidget = libraries.load("anywidget", "a live view")
+from meshfair.viewer import offscreen
+from meshfair.viewer.backend import Shown
+from meshfair.viewer.offscreen import Pixels
+from meshfair.viewer.panel import Scale
 
 DRAFT, GOOD = 1, 2  # supersampling
 LOST = 5.0  # seconds after which a frame that was not confirmed is given up: its page is gone
@@ -40,28 +46,31 @@ class Frames:
     view : meshfair.viewer.View
     """
 
-    def __init__(self, view):
+    def __init__(self, view: Shown) -> None:
         self._view = view
         self._lock = threading.Lock()
-        self._wanted = {}  # panel -> quality: what has changed since it was drawn
-        self._rough = set()  # panels of which the page shows a draft
-        self._sent = None  # time at which the frame on its way was begun
-        self._layout = None  # the page's: panel size, pixel ratio, background
+        self._wanted: dict[int, int] = {}  # panel -> quality: what has changed since it was drawn
+        self._rough: set[int] = set()  # panels of which the page shows a draft
+        # Time at which the frame on its way was begun.
+        self._sent: float | None = None
+        self._layout: dict[str, Any] | None = (
+            None  # the page's: panel size, pixel ratio, background
+        )
         self.drawn = 0  # number of frames drawn so far
         self.widget = FramesWidget(count=len(view.panels))
         self.widget.on_msg(self._receive)
 
-    def refresh(self, panels):
+    def refresh(self, panels: Iterable[int]) -> None:
         """Draw some panels again, as drafts; the rest of the page stays."""
         with self._lock:
             self._wanted.update(dict.fromkeys(panels, DRAFT))
         self._pump()
 
-    def camera_moved(self):
+    def camera_moved(self) -> None:
         """Draw all panels again."""
         self.refresh(range(len(self._view.panels)))
 
-    def _receive(self, widget, message, buffers):
+    def _receive(self, widget: Any, message: dict[str, Any], buffers: Any) -> None:
         """Handle a message from the page; on any thread, and quick."""
         kind = message["kind"]
         if kind == "layout":
@@ -83,7 +92,7 @@ class Frames:
             self._view.camera = camera.pan(*message["pan"]).zoom(message["zoom"])
             self.camera_moved()
 
-    def _pump(self):
+    def _pump(self) -> None:
         """Begin the next frame, unless one is on its way, or no page is there."""
         with self._lock:
             on_its_way = self._sent is not None and time.monotonic() - self._sent < LOST
@@ -95,11 +104,12 @@ class Frames:
             for k in panels:
                 del self._wanted[k]
             self._sent = time.monotonic()
-        offscreen.gl_thread().submit(self._draw, panels, DRAFT if drafts else GOOD)
+            layout = self._layout
+        offscreen.gl_thread().submit(self._draw, panels, layout, DRAFT if drafts else GOOD)
 
-    def _draw(self, panels, quality):
+    def _draw(self, panels: Sequence[int], layout: dict[str, Any], quality: int) -> None:
         """Draw and send one frame; on the GL thread."""
-        view, layout = self._view, self._layout
+        view = self._view
         # A draft has the page's own pixels, a good frame also a fine screen's.
         ratio = 1 if quality == DRAFT else layout["ratio"]
         ratio = min(ratio, LARGEST / max(layout["width"], layout["height"]))
@@ -109,7 +119,7 @@ class Frames:
             titles = [view.titles[k] for k in panels]
             pictures = [
                 encode(
-                    offscreen.draw(
+                    offscreen.scene().draw(
                         view.panels[k],
                         camera,
                         size,
@@ -139,14 +149,16 @@ class Frames:
         self.widget.send(frame, pictures)
 
 
-def bar(scale, label):
+def bar(scale: Scale, label: str) -> dict[str, Any]:
     """What the page needs to draw the colour bar."""
     return {"label": label, "low": scale.low, "high": scale.high, "stops": scale.stops()}
 
 
-def encode(pixels, quality):
+def encode(pixels: Pixels, quality: int) -> bytes:
     """JPEG of an image: drafts smaller, good frames without smeared colours."""
     jpeg = io.BytesIO()
-    options = {"quality": 80} if quality == DRAFT else {"quality": 92, "subsampling": 0}
+    options: dict[str, Any] = (
+        {"quality": 80} if quality == DRAFT else {"quality": 92, "subsampling": 0}
+    )
     Image.fromarray(pixels[:, :, :3]).save(jpeg, "JPEG", **options)
     return jpeg.getvalue()

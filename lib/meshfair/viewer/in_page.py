@@ -1,17 +1,19 @@
 """The view without EGL: k3d draws the meshes in the page itself."""
 
-import html
+from __future__ import annotations
 
+import html
+from collections.abc import Iterable
+from typing import Any
+
+import ipywidgets
+import k3d
 import numpy as np
-from matplotlib import colormaps
 from matplotlib.colors import to_hex
 
-from meshfair.viewer import libraries
+from meshfair.viewer.backend import Shown
 from meshfair.viewer.camera import FIELD_OF_VIEW
-from meshfair.viewer.offscreen import SURFACE
-
-k3d = libraries.load("k3d", "a live view without EGL")
-ipywidgets = libraries.load("ipywidgets", "a live view")
+from meshfair.viewer.panel import SURFACE, Panel, Scale
 
 HEIGHT = 300  # CSS pixels, as in frames.css
 
@@ -24,7 +26,7 @@ class InPage:
     view : meshfair.viewer.View
     """
 
-    def __init__(self, view):
+    def __init__(self, view: Shown) -> None:
         self._view = view
         self._titles = [ipywidgets.HTML() for _ in view.panels]
         self._plots = [
@@ -39,7 +41,7 @@ class InPage:
             )
             for _ in view.panels
         ]
-        self._meshes = [None] * len(view.panels)
+        self._meshes: list[Any] = [None] * len(view.panels)
         for other in self._plots[1:]:
             ipywidgets.jslink((self._plots[0], "camera"), (other, "camera"))
         panel = ipywidgets.Layout(flex="1 1 180px", min_width="180px")
@@ -55,14 +57,14 @@ class InPage:
         self.refresh(range(len(view.panels)))
         self.camera_moved()
 
-    def refresh(self, panels):
+    def refresh(self, panels: Iterable[int]) -> None:
         """Show some panels' meshes, values and titles of now."""
         scale = self._view.scale
         self._bar.value = "" if scale is None else bar(scale, self._view.label)
         for k in panels:
             panel = self._view.panels[k]
             self._titles[k].value = html.escape(self._view.titles[k])
-            options = self._colours(panel, scale)
+            options = _values(panel, scale)
             mesh = self._meshes[k]
             if mesh is not None and len(mesh.vertices) == len(panel.V):
                 mesh.vertices = panel.V.astype(np.float32)
@@ -83,22 +85,7 @@ class InPage:
             )
             self._plots[k] += self._meshes[k]
 
-    def _colours(self, panel, scale):
-        """The traits of a k3d mesh that hold its values: at vertices, or on triangles."""
-        if panel.values is None:
-            return {"attribute": [], "triangles_attribute": []}
-        at = np.linspace(0, 1, 33)
-        colour_map = np.column_stack([at, colormaps[scale.colours](at)[:, :3]])
-        on_vertices = len(panel.values) == len(panel.V)
-        values = panel.values.astype(np.float32)
-        return {
-            "attribute": values if on_vertices else [],
-            "triangles_attribute": [] if on_vertices else values,
-            "color_map": colour_map.astype(np.float32).ravel(),
-            "color_range": [scale.low, scale.high],
-        }
-
-    def camera_moved(self):
+    def camera_moved(self) -> None:
         """Point the plots' camera as the view's."""
         camera = self._view.camera
         place = [*camera.position, *camera.target, *camera.up]
@@ -106,7 +93,22 @@ class InPage:
             plot.camera = [float(x) for x in place]
 
 
-def bar(scale, label):
+def _values(panel: Panel, scale: Scale | None) -> dict[str, Any]:
+    """The traits of a k3d mesh that hold a panel's values: at vertices, or on triangles."""
+    if panel.values is None or scale is None:
+        return {"attribute": [], "triangles_attribute": []}
+    at = np.linspace(0, 1, 33)
+    color_map = np.column_stack([at, scale.colormap(at)[:, :3]])
+    values = panel.values.astype(np.float32)
+    return {
+        "attribute": values if panel.values_on == "vertices" else [],
+        "triangles_attribute": values if panel.values_on == "faces" else [],
+        "color_map": color_map.astype(np.float32).ravel(),
+        "color_range": [scale.low, scale.high],
+    }
+
+
+def bar(scale: Scale, label: str) -> str:
     """The colour bar as HTML."""
     look = f"linear-gradient(to right, {', '.join(scale.stops())}); width: 130px; height: 10px"
     colours = f'<i style="display: inline-block; background: {look}"></i>'

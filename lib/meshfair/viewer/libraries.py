@@ -1,30 +1,38 @@
-"""Optional libraries: loaded when first used, named in one line where missing."""
+"""Optional libraries: loaded when first used, named in one sentence where missing."""
 
-from importlib import import_module
+from collections.abc import Iterator
+from contextlib import contextmanager
 
-EXTRA = 'pip install "meshfair[notebooks]"'
+VIEWER = {"PIL", "matplotlib", "polyscope", "polyscope_bindings"}
 
 
-def load(name, purpose):
-    """Import an optional library, or say in one line what to install.
+@contextmanager
+def needed_for(purpose: str) -> Iterator[None]:
+    """Import optional libraries in this block, or say in one sentence what to install.
 
     Parameters
     ----------
-    name : str
-        What to import.
     purpose : str
-        What needs it; the message's beginning.
-
-    Returns
-    -------
-    module
+        What needs them; the message's beginning.
 
     Raises
     ------
     ImportError
-        The library is missing, or does not load here.
+        A library is missing, or does not load here.
     """
     try:
-        return import_module(name)
+        yield
     except ImportError as error:
-        raise ImportError(f"{purpose} needs {name} ({error}); run: {EXTRA}") from None
+        library = (error.name or "a library").split(".")[0]
+        if library == "meshfair":  # an error of ours, which no installation mends
+            raise
+        extra = "viewer" if library in VIEWER else "notebooks"
+        reason = str(error).splitlines()[0]
+        raise ImportError(
+            f"{purpose} needs {library} ({reason}); run: {install(extra)}", name=error.name
+        ) from None
+
+
+def install(extra: str) -> str:
+    """The command that installs the libraries of an extra."""
+    return f'pip install "meshfair[{extra}]"'

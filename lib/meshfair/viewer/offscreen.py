@@ -1,66 +1,41 @@
 """Polyscope without a screen: one GL thread, one scene, pixels out."""
 
-import contextlib
+from __future__ import annotations
+
 import functools
 import subprocess
 import sys
 import warnings
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from meshfair.checks import check_mesh
-from meshfair.viewer.camera import FIELD_OF_VIEW
-from meshfair.viewer.painter import draw_mesh
+from meshfair.checks import check_choice, check_count, check_mesh, check_values
+from meshfair.viewer.camera import FIELD_OF_VIEW, Camera
+from meshfair.viewer.libraries import install
+from meshfair.viewer.painter import paint
+from meshfair.viewer.panel import LINES, SURFACE, Panel, Scale
 
-SURFACE = (0.55, 0.68, 0.86)  # the colour of a mesh without values
 MISSING_EGL = (
     "polyscope cannot draw here (no EGL), so meshes are drawn with matplotlib; on Debian or "
     "Ubuntu install the packages of apt.txt: libx11-6 libegl1 libgl1 libgl1-mesa-dri"
 )
+MISSING_POLYSCOPE = (
+    "polyscope is not installed, so meshes are drawn with matplotlib; for shaded pictures run: "
+    + install("viewer")
+)
 
-
-@dataclass(frozen=True, eq=False)
-class Panel:
-    """A mesh as it is drawn. Compared by identity: a changed mesh is a new panel."""
-
-    V: np.ndarray
-    F: np.ndarray
-    values: np.ndarray | None = None
-    smooth: bool = False
-    edges: bool = False
-
-
-@dataclass(frozen=True)
-class Scale:
-    """How values become colours: the two ends of the scale, and the colour map."""
-
-    low: float
-    high: float
-    colours: str = "viridis"
-
-    @classmethod
-    def of(cls, values, limits=None, colours="viridis"):
-        """The scale for some arrays of values, or None where none of them is given."""
-        given = [x for x in values if x is not None]
-        if not given:
-            return None
-        low, high = limits or (min(x.min() for x in given), max(x.max() for x in given))
-        # A scale of no length divides by zero in every renderer.
-        return cls(float(low), float(high) if high > low else float(low) + 1e-9, colours)
-
-    def stops(self):
-        """Seventeen colours, as CSS has them, from the low end to the high one."""
-        from matplotlib import colormaps
-        from matplotlib.colors import to_hex
-
-        return [to_hex(colormaps[self.colours](k / 16)) for k in range(17)]
+Pixels = NDArray[np.uint8]
+Result = TypeVar("Result")
 
 
 @functools.cache
-def has_egl():
-    """Whether polyscope can draw without a screen on this machine.
+def has_egl() -> bool:
+    """Whether polyscope is there, and can draw without a screen on this machine.
 
     Tried in a process of its own, since a GL library that fails can take the
     process with it. The answer is kept: about a second, once.
@@ -69,13 +44,20 @@ def has_egl():
     -------
     bool
     """
+    if not has_polyscope():
+        return False
     trial = f"from {__name__} import Scene; Scene()"
     finished = subprocess.run([sys.executable, "-c", trial], capture_output=True, timeout=60)
     return finished.returncode == 0
 
 
+def has_polyscope() -> bool:
+    """Whether polyscope is installed; whether it loads is another question."""
+    return find_spec("polyscope") is not None
+
+
 @functools.cache
-def gl_thread():
+def gl_thread() -> ThreadPoolExecutor:
     """The executor with the one thread that may speak to polyscope.
 
     The GL context belongs to the thread that made it, and a notebook's
@@ -84,24 +66,24 @@ def gl_thread():
     return ThreadPoolExecutor(1, thread_name_prefix="polyscope")
 
 
-def on_gl_thread(function, *arguments, **named):
+def on_gl_thread(function: Callable[[], Result]) -> Result:
     """Call a function on the GL thread, and wait for what it returns."""
-    return gl_thread().submit(function, *arguments, **named).result()
+    return gl_thread().submit(function).result()
 
 
 def render(
-    V,
-    F,
-    camera,
+    V: ArrayLike,
+    F: ArrayLike,
+    camera: Camera,
     *,
-    size=(800, 600),
-    values=None,
-    limits=None,
-    colours="viridis",
-    smooth=False,
-    edges=False,
-    quality=2,
-):
+    size: tuple[int, int] = (800, 600),
+    values: ArrayLike | None = None,
+    limits: tuple[float, float] | None = None,
+    cmap: str = "viridis",
+    smooth: bool = False,
+    edges: bool = False,
+    quality: int = 2,
+) -> Pixels:
     """Draw a mesh, from a camera, into an array of pixels.
 
     Parameters
@@ -115,9 +97,9 @@ def render(
         A number for each vertex or each face, shown as a colour.
     limits : (float, float), optional
         The values at both ends of the colour scale; their range by default.
-    colours : str
-        A colour map that polyscope and matplotlib both have: viridis, magma,
-        coolwarm, ...
+    cmap : str
+        A colour map, one of `meshfair.viewer.CMAPS`: those that polyscope and
+        matplotlib both have.
     smooth : bool
         Shade smoothly across the faces.
     edges : bool
@@ -132,35 +114,41 @@ def render(
 
     Raises
     ------
-    MeshError
-        No mesh.
+    MeshError, ValueError
+        No mesh, values that do not fit it, or an option that is none.
+    ImportError
+        Neither polyscope nor matplotlib is installed.
 
     Warns
     -----
     UserWarning
-        Once, where EGL is missing and matplotlib draws instead.
+        Once, where polyscope or EGL is missing and matplotlib draws instead.
     """
     V, F = check_mesh(V, F)
-    values = None if values is None else np.asarray(values, dtype=float)
-    scale = Scale.of([values], limits, colours)
-    if not has_egl():
-        _warn_missing_egl()
-        limits = scale and (scale.low, scale.high)
-        return draw_mesh(V, F, camera, FIELD_OF_VIEW, size, values, limits, colours)
+    width, height = (check_count(pixels, "size", 1) for pixels in size)
+    check_choice(quality, "quality", (1, 2, 3, 4))
+    numbers = None if values is None else check_values(values, len(V), len(F))
+    scale = Scale.of([numbers], limits, cmap)
     # Copies: the scene knows its arrays by identity, and the caller may write to its own.
-    panel = Panel(V.copy(), F.copy(), values, smooth, edges)
-    return on_gl_thread(draw, panel, camera, size, scale=scale, quality=quality)
+    panel = Panel(V.copy(), F.copy(), numbers, smooth, edges)
+    if not has_egl():
+        _warn_of_matplotlib()
+        return paint(panel, camera, (width, height), scale)
+    return on_gl_thread(
+        lambda: scene().draw(panel, camera, (width, height), scale=scale, quality=quality)
+    )
 
 
 @functools.cache
-def _warn_missing_egl():
-    warnings.warn(MISSING_EGL, UserWarning, stacklevel=3)
+def _warn_of_matplotlib() -> None:
+    reason = MISSING_EGL if has_polyscope() else MISSING_POLYSCOPE
+    warnings.warn(reason, UserWarning, stacklevel=3)
 
 
 class Scene:
     """Polyscope, started without a screen. Made and used on the GL thread only."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         import polyscope as ps
 
         ps.set_allow_headless_backends(True)
@@ -168,15 +156,23 @@ class Scene:
         ps.set_verbosity(0)
         ps.set_warn_for_invalid_values(False)
         ps.init("openGL3_egl")
-        with contextlib.suppress(AttributeError):
-            ps.set_imgui_ini_file(None)
         ps.set_ground_plane_mode("none")
         ps.set_view_projection_mode("perspective")
         self._ps = ps
         self._quality = 1
-        self._panels = {}  # slot -> the panel that polyscope holds there
+        self._panels: dict[int, Panel] = {}  # slot -> the panel that polyscope holds there
 
-    def draw(self, panel, camera, size, *, slot=0, scale=None, quality=1, background=None):
+    def draw(
+        self,
+        panel: Panel,
+        camera: Camera,
+        size: tuple[int, int],
+        *,
+        slot: int = 0,
+        scale: Scale | None = None,
+        quality: int = 1,
+        background: Sequence[float] | None = None,
+    ) -> Pixels:
         """Draw one panel.
 
         Parameters
@@ -212,7 +208,7 @@ class Scene:
             ps.set_background_color(tuple(np.power(background, 2.2) / 1.1))
         return np.array(ps.screenshot_to_buffer(transparent_bg=background is None))
 
-    def _set_size(self, size, quality):
+    def _set_size(self, size: tuple[int, int], quality: int) -> None:
         """Size the buffers for a picture with some supersampling.
 
         Without a window, polyscope 2.6 sizes its buffers when the window's
@@ -227,16 +223,20 @@ class Scene:
             self._quality = quality
         self._ps.set_window_size(*size)
 
-    def _show_only(self, slot):
+    def _show_only(self, slot: int | None) -> None:
         for other in self._panels:
             self._ps.get_surface_mesh(f"panel {other}").set_enabled(other == slot)
 
-    def _register(self, slot, panel, scale):
+    def _register(self, slot: int, panel: Panel, scale: Scale | None) -> None:
         """Bring a slot up to date, by the shortest way."""
         old = self._panels.get(slot)
         style = (panel.smooth, panel.edges, panel.values is None)
-        same_mesh = old is not None and old.F is panel.F and len(old.V) == len(panel.V)
-        if same_mesh and style == (old.smooth, old.edges, old.values is None):
+        if (
+            old is not None
+            and old.F is panel.F
+            and len(old.V) == len(panel.V)
+            and style == (old.smooth, old.edges, old.values is None)
+        ):
             mesh = self._ps.get_surface_mesh(f"panel {slot}")
             if old.V is not panel.V:
                 mesh.update_vertex_positions(panel.V)
@@ -251,25 +251,20 @@ class Scene:
             )
             if panel.edges:
                 mesh.set_edge_width(0.6)
-                mesh.set_edge_color((0.1, 0.15, 0.25))
+                mesh.set_edge_color(LINES)
         self._panels[slot] = panel
-        if panel.values is not None:
-            on = "vertices" if len(panel.values) == len(panel.V) else "faces"
+        if panel.values is not None and scale is not None:
             mesh.add_scalar_quantity(
                 "values",
                 panel.values,
-                defined_on=on,
+                defined_on=panel.values_on,
                 enabled=True,
                 vminmax=(scale.low, scale.high),
-                cmap=scale.colours,
+                cmap=scale.cmap,
             )
 
 
 @functools.cache
-def _scene():
+def scene() -> Scene:
+    """The one scene that there is; use it on the GL thread only."""
     return Scene()
-
-
-def draw(*arguments, **named):
-    """`Scene.draw` of the one scene that there is; call it on the GL thread only."""
-    return _scene().draw(*arguments, **named)

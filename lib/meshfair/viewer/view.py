@@ -1,13 +1,33 @@
 """A live view of one mesh, or of several side by side, in a notebook."""
 
+from __future__ import annotations
+
 import contextlib
 import io
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from meshfair.checks import MeshError, check_mesh
+from meshfair.checks import (
+    Floats,
+    check_choice,
+    check_count,
+    check_direction,
+    check_mesh,
+    check_number,
+    check_values,
+    check_vertices,
+)
+from meshfair.viewer.backend import Backend
 from meshfair.viewer.camera import Camera
-from meshfair.viewer.offscreen import Panel, Scale, has_egl, render
+from meshfair.viewer.libraries import needed_for
+from meshfair.viewer.offscreen import Pixels, has_egl, render
+from meshfair.viewer.panel import Panel, Scale
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
 
 STILL = (1000, 360)  # pixels of a still picture, all panels together
 
@@ -34,47 +54,48 @@ class View:
         What the values are, with their unit; stands at the colour bar.
     limits : (float, float), optional
         The values at both ends of the colour bar; their range by default.
-    colours : str
-        A colour map that polyscope and matplotlib both have.
+    cmap : str
+        A colour map, one of `meshfair.viewer.CMAPS`.
     smooth : bool
         Shade smoothly across the faces.
     edges : bool
         Draw the edges as thin lines.
     direction, up : three floats
-        From the meshes towards the camera, and what stays upright.
+        From the meshes towards the camera, and what stays upright; not parallel.
     backend : {"polyscope", "k3d"}, optional
         What draws; by default polyscope where there is EGL.
 
     Raises
     ------
     MeshError, ValueError
-        No meshes, or lists of different lengths.
+        No meshes, values that do not fit them, lists of different lengths, or
+        an option that is none.
     ImportError
         A library is missing; the message says what to install.
 
     Examples
     --------
     >>> from meshfair import shapes
-    >>> View(*shapes.knot(), titles="the seed's knot")  # doctest: +SKIP
+    >>> View(*shapes.knot(), titles="the knot")  # doctest: +SKIP
     """
 
     def __init__(
         self,
-        V,
-        F,
+        V: ArrayLike,
+        F: ArrayLike,
         *,
-        titles=None,
-        values=None,
-        label="",
-        limits=None,
-        colours="viridis",
-        smooth=False,
-        edges=False,
-        direction=(1, -1, 0.6),
-        up=(0, 0, 1),
-        backend=None,
-    ):
-        count = len(V) if _is_list(V, 2) else 1
+        titles: str | Sequence[str | None] | None = None,
+        values: ArrayLike | Sequence[ArrayLike | None] | None = None,
+        label: str = "",
+        limits: tuple[float, float] | None = None,
+        cmap: str = "viridis",
+        smooth: bool = False,
+        edges: bool = False,
+        direction: ArrayLike = (1, -1, 0.6),
+        up: ArrayLike = (0, 0, 1),
+        backend: str | None = None,
+    ) -> None:
+        count = _count(V)
         self._smooth, self._edges = smooth, edges
         self.panels = [
             self._panel(*mesh)
@@ -85,37 +106,43 @@ class View:
                 strict=True,
             )
         ]
-        self.titles = [title or "" for title in _each(titles, 0, count, "titles")]
-        self.label, self.limits, self.colours = label, limits, colours
-        self.up, self._direction = up, direction
-        self._home = None  # what the reset button shows: set by look_at
-        self._batch = None  # panels changed inside `together`
+        self.titles: list[str] = [title or "" for title in _each(titles, 0, count, "titles")]
+        self.label, self.limits, self.cmap = label, limits, cmap
+        Scale.of([], limits, cmap)  # refused here, not in the thread that draws
+        self.up = check_direction(up, "up")
+        self._direction = check_direction(direction, "direction")
+        # What the reset button shows: set by look_at.
+        self._home: tuple[Floats, Floats] | None = None
+        self._changed: set[int] | None = None  # panels changed inside `together`
         self.aspect = STILL[0] / STILL[1] / count
         self.camera = self._camera_home()
-        self._page = _page(backend, self)
+        self._backend = _backend(backend, self)
 
-    def _panel(self, V, F, values):
+    def _panel(self, V: ArrayLike, F: ArrayLike, values: ArrayLike | None) -> Panel:
         V, F = check_mesh(V, F)
-        values = None if values is None else np.array(values, dtype=float)
-        if values is not None and values.shape not in ((len(V),), (len(F),)):
-            raise MeshError(
-                f"values have shape {values.shape}; give one for each of the {len(V)} vertices "
-                f"or of the {len(F)} faces"
-            )
+        numbers = None if values is None else check_values(values, len(V), len(F))
         # Positions are copied: the renderers tell by identity whether an array is new.
-        return Panel(V.copy(), F, values, self._smooth, self._edges)
+        return Panel(V.copy(), F, numbers, self._smooth, self._edges)
 
     @property
-    def widget(self):
+    def widget(self) -> Any:
         """The ipywidget, to put into a layout of one's own."""
-        return self._page.widget
+        return self._backend.widget
 
     @property
-    def scale(self):
+    def scale(self) -> Scale | None:
         """How the panels' values become colours now: a `Scale`, None without values."""
-        return Scale.of([panel.values for panel in self.panels], self.limits, self.colours)
+        return Scale.of([panel.values for panel in self.panels], self.limits, self.cmap)
 
-    def update(self, V=None, *, panel=0, F=None, values=None, title=None):
+    def update(
+        self,
+        V: ArrayLike | None = None,
+        *,
+        panel: int = 0,
+        F: ArrayLike | None = None,
+        values: ArrayLike | None = None,
+        title: str | None = None,
+    ) -> None:
         """Show another mesh, or other values, in one panel.
 
         Parameters
@@ -123,7 +150,7 @@ class View:
         V : array_like, shape (n, 3), optional
             New positions; those of before by default.
         panel : int
-            Which panel, from the left.
+            Which panel, from the left, from 0.
         F : array_like of integers, optional
             New faces; those of before by default.
         values : array_like, shape (n,) or (m,), optional
@@ -132,35 +159,54 @@ class View:
 
         Raises
         ------
-        MeshError
-            No mesh, or values that do not fit it.
+        MeshError, ValueError
+            No mesh, values that do not fit it, or no such panel.
         """
-        old = self.panels[panel]
-        same_faces = F is None or F is old.F
-        new = self._panel(old.V if V is None else V, old.F if same_faces else F, values)
-        self.panels[panel] = new
+        old = self.panels[check_choice(panel, "panel", range(len(self.panels)))]
+        self.panels[panel] = self._panel(
+            old.V if V is None else V, old.F if F is None else F, values
+        )
         if title is not None:
             self.titles[panel] = title
         self._refresh([panel])
 
     @contextlib.contextmanager
-    def together(self):
+    def together(self) -> Iterator[View]:
         """Changes in this block reach the page as one frame."""
-        self._batch = set()
+        changed: set[int] = set()
+        self._changed = changed
         try:
             yield self
         finally:
-            changed, self._batch = self._batch, None
+            self._changed = None
             self._refresh(changed)
 
-    def colour_by(self, label, limits=None, colours=None):
-        """Say what the values are: the colour bar's label, its ends, its colours."""
-        bar = (label, limits, colours or self.colours)
-        if bar != (self.label, self.limits, self.colours):
-            self.label, self.limits, self.colours = bar
+    def color_by(
+        self, label: str, limits: tuple[float, float] | None = None, cmap: str | None = None
+    ) -> None:
+        """Say what the values are.
+
+        Parameters
+        ----------
+        label : str
+            What stands at the colour bar.
+        limits : (float, float), optional
+            The values at its ends; their range by default.
+        cmap : str, optional
+            Its colour map, one of `meshfair.viewer.CMAPS`; that of before by default.
+
+        Raises
+        ------
+        ValueError
+            ``limits`` that are no range, or an unknown ``cmap``.
+        """
+        bar = (label, limits, cmap or self.cmap)
+        if bar != (self.label, self.limits, self.cmap):
+            Scale.of([], limits, bar[2])
+            self.label, self.limits, self.cmap = bar
             self._refresh(range(len(self.panels)))
 
-    def look_at(self, V, direction=None):
+    def look_at(self, V: ArrayLike, direction: ArrayLike | None = None) -> None:
         """Point the camera, and the reset button, at some points.
 
         Parameters
@@ -169,36 +215,42 @@ class View:
             What should fill the picture, such as a part's vertices.
         direction : three floats, optional
             From there towards the camera; the view's own by default.
+
+        Raises
+        ------
+        MeshError, ValueError
+            No points, or no direction.
         """
-        self._home = (np.array(V), direction or self._direction)
+        towards = self._direction if direction is None else check_direction(direction, "direction")
+        self._home = (check_vertices(V).copy(), towards)
         self.reset()
 
-    def reset(self):
+    def reset(self) -> None:
         """Go back to the camera of the beginning, or of the last `look_at`."""
         self.camera = self._camera_home()
-        self._page.camera_moved()
+        self._backend.camera_moved()
 
-    def fit(self, aspect):
-        """Tell the view its panels' shape, width over height; the page does."""
+    def fit(self, aspect: float) -> None:
+        """Say the panels' shape, width over height; the page does."""
         untouched = self.camera == self._camera_home()
-        self.aspect = aspect
+        self.aspect = check_number(aspect, "aspect", 0, open_low=True)
         if untouched:
             self.camera = self._camera_home()
 
-    def _camera_home(self):
+    def _camera_home(self) -> Camera:
         V, direction = self._home or (
             np.concatenate([panel.V for panel in self.panels]),
             self._direction,
         )
         return Camera.around(V, direction, self.up, aspect=self.aspect)
 
-    def _refresh(self, panels):
-        if self._batch is None:
-            self._page.refresh(panels)
+    def _refresh(self, panels: Iterable[int]) -> None:
+        if self._changed is None:
+            self._backend.refresh(panels)
         else:
-            self._batch.update(panels)
+            self._changed.update(panels)
 
-    def still(self, size=STILL):
+    def still(self, size: tuple[int, int] = STILL) -> Image:
         """Draw what the view shows now into a picture, with titles and colour bar.
 
         Parameters
@@ -210,54 +262,66 @@ class View:
         -------
         PIL.Image.Image
             A notebook shows it; ``.save("knot.png")`` writes it.
+
+        Raises
+        ------
+        ImportError
+            matplotlib or Pillow is missing; the message says what to install.
         """
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.cm import ScalarMappable
-        from matplotlib.colors import Normalize
-        from matplotlib.figure import Figure
-        from PIL import Image
+        with needed_for("a still picture"):
+            from matplotlib.backends.backend_agg import FigureCanvasAgg
+            from matplotlib.cm import ScalarMappable
+            from matplotlib.colors import Normalize
+            from matplotlib.figure import Figure
+            from PIL import Image
 
         count, scale = len(self.panels), self.scale
-        figure = Figure(figsize=(size[0] / 100, size[1] / 100), dpi=100, layout="constrained")
+        width, height = (check_count(pixels, "size", 1) for pixels in size)
+        figure = Figure(figsize=(width / 100, height / 100), dpi=100, layout="constrained")
         axes = figure.subplots(1, count, squeeze=False)[0]
-        cell = (size[0] // count, round(0.9 * size[1]))
+        cell = (max(width // count, 1), max(round(0.9 * height), 1))
         for ax, panel, title in zip(axes, self.panels, self.titles, strict=True):
             ax.imshow(self._pixels(panel, cell, scale), interpolation="antialiased")
             ax.set_title(title, fontsize=10)
             ax.axis("off")
         if scale is not None:
-            colours = ScalarMappable(Normalize(scale.low, scale.high), scale.colours)
-            figure.colorbar(colours, ax=list(axes), label=self.label, shrink=0.8)
+            bar = ScalarMappable(Normalize(scale.low, scale.high), scale.colormap)
+            figure.colorbar(bar, ax=list(axes), label=self.label, shrink=0.8)
         canvas = FigureCanvasAgg(figure)
         canvas.draw()
         return Image.fromarray(np.array(canvas.buffer_rgba())).convert("RGB")
 
-    def _pixels(self, panel, size, scale):
+    def _pixels(self, panel: Panel, size: tuple[int, int], scale: Scale | None) -> Pixels:
         return render(
             panel.V,
             panel.F,
             self.camera,
             size=size,
             values=panel.values,
-            limits=scale and (scale.low, scale.high),
-            colours=self.colours,
+            limits=None if scale is None else (scale.low, scale.high),
+            cmap=self.cmap,
             smooth=panel.smooth,
             edges=panel.edges,
         )
 
-    def _repr_mimebundle_(self, **kwargs):
+    def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         """The live view, and a still of it for readers without a kernel."""
         return with_still(self.widget, self)
 
 
-def _is_list(given, ndim):
+def _is_list(given: Any, ndim: int) -> bool:
     """Whether something is a list with one entry, of ``ndim`` dimensions or None, a panel."""
     return isinstance(given, (list, tuple)) and any(
         entry is not None and np.ndim(entry) == ndim for entry in given
     )
 
 
-def _each(given, ndim, count, name):
+def _count(V: Any) -> int:
+    """The number of panels that some positions are for."""
+    return len(V) if _is_list(V, 2) else 1
+
+
+def _each(given: Any, ndim: int, count: int, name: str) -> list[Any]:
     """One entry for each panel: those of a list, or the same for all."""
     entries = list(given) if _is_list(given, ndim) else [given] * count
     if len(entries) != count:
@@ -265,7 +329,7 @@ def _each(given, ndim, count, name):
     return entries
 
 
-def with_still(widget, view):
+def with_still(widget: Any, view: View) -> tuple[dict[str, Any], dict[str, Any]]:
     """A widget's display data with a picture beside it, for a page that runs no widgets."""
     bundle = widget._repr_mimebundle_()
     data, metadata = bundle if isinstance(bundle, tuple) else (bundle, {})
@@ -274,16 +338,14 @@ def with_still(widget, view):
     return data | {"image/png": png.getvalue()}, metadata
 
 
-def _page(backend, view):
-    """The view's other end, in the page; its library is loaded here."""
-    if backend is None:
-        backend = "polyscope" if has_egl() else "k3d"
-    if backend == "polyscope":
-        from meshfair.viewer.frames import Frames
-
+def _backend(name: str | None, view: View) -> Backend:
+    """What draws a view in the page; its libraries are loaded here."""
+    name = name or ("polyscope" if has_egl() else "k3d")
+    check_choice(name, "backend", ("polyscope", "k3d"))
+    if name == "polyscope":
+        with needed_for("a live view"):
+            from meshfair.viewer.frames import Frames
         return Frames(view)
-    if backend == "k3d":
+    with needed_for("a live view without EGL"):
         from meshfair.viewer.in_page import InPage
-
-        return InPage(view)
-    raise ValueError(f"backend is {backend!r}; give 'polyscope' or 'k3d'")
+    return InPage(view)

@@ -1,5 +1,7 @@
 """Polyscope's own window, in a process of its own."""
 
+from __future__ import annotations
+
 import os
 import subprocess
 import sys
@@ -7,8 +9,10 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from meshfair.checks import check_mesh
+from meshfair.checks import check_mesh, check_values
+from meshfair.viewer.libraries import needed_for
 
 NO_SCREEN = (
     "there is no screen here to open a window on; in a notebook use meshfair.viewer.View, "
@@ -16,7 +20,9 @@ NO_SCREEN = (
 )
 
 
-def show(V, F, *, values=None, title="meshfair"):
+def show(
+    V: ArrayLike, F: ArrayLike, *, values: ArrayLike | None = None, title: str = "meshfair"
+) -> subprocess.Popen[bytes]:
     """Open polyscope's desktop window on a mesh, and go on without waiting for it.
 
     The window belongs to a process of its own: a notebook's polyscope draws
@@ -39,26 +45,30 @@ def show(V, F, *, values=None, title="meshfair"):
     Raises
     ------
     MeshError
-        No mesh.
+        No mesh, or values that do not fit it.
     RuntimeError
         There is no screen.
+    ImportError
+        polyscope is missing; the message says what to install.
     """
     V, F = check_mesh(V, F)
+    values = np.empty(0) if values is None else check_values(values, len(V), len(F))
     if not has_screen():
         raise RuntimeError(NO_SCREEN)
-    values = np.empty(0) if values is None else np.asarray(values, dtype=float)
+    with needed_for("a window"):
+        import polyscope  # noqa: F401 (the window's process has no notebook to say it in)
     with tempfile.NamedTemporaryFile(suffix=".npz", delete=False) as file:
         np.savez(file, V=V, F=F, values=values, title=title)
     return subprocess.Popen([sys.executable, "-m", __name__, file.name])
 
 
-def has_screen():
+def has_screen() -> bool:
     """Whether a window can be opened: always assumed on macOS and Windows."""
     named = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     return bool(named) or sys.platform in ("darwin", "win32")
 
 
-def _main(path):
+def _main(path: str) -> None:
     """The window's process: show the mesh that `show` wrote, until it is closed."""
     import polyscope as ps
 

@@ -3,7 +3,7 @@
 const HEIGHT = 190;
 const MARGIN = { left: 46, right: 14, top: 8, bottom: 34 };
 // Told apart on light and on dark paper, and by colour-blind readers.
-const COLOURS = ["#3b8fd6", "#e07b1a", "#17a679", "#b86fb8"];
+const COLORS = ["#3b8fd6", "#e07b1a", "#17a679", "#b86fb8"];
 const SVG = "http://www.w3.org/2000/svg";
 
 function draw(name, attributes, parent, text) {
@@ -50,7 +50,7 @@ function at(curve, x) {
 }
 
 function render({ model, el }) {
-  el.classList.add("meshfair-chart");
+  el.classList.add("meshfair-curves");
   const head = document.createElement("div");
   head.className = "title";
   el.append(head);
@@ -61,7 +61,7 @@ function render({ model, el }) {
     const width = svg.clientWidth;
     if (!width) return;
     const series = model.get("series");
-    const colour = (curve, i) => curve.colour || COLOURS[i % COLOURS.length];
+    const color = (curve, i) => curve.color || COLORS[i % COLORS.length];
 
     head.replaceChildren();
     const title = document.createElement("b");
@@ -71,7 +71,7 @@ function render({ model, el }) {
       series.forEach((curve, i) => {
         const key = document.createElement("span");
         key.className = "key";
-        key.style.setProperty("--colour", colour(curve, i));
+        key.style.setProperty("--color", color(curve, i));
         key.textContent = curve.name;
         head.append(key);
       });
@@ -111,12 +111,12 @@ function render({ model, el }) {
       if (curve.points) {
         curve.x.forEach((x, k) => {
           const over = threshold !== null && curve.y[k] > threshold + 1e-9;
-          const fill = over ? "var(--alarm)" : colour(curve, i);
+          const fill = over ? "var(--alarm)" : color(curve, i);
           draw("circle", { cx: X(x), cy: Y(curve.y[k]), r: over ? 3 : 2, fill }, svg);
         });
       } else if (curve.x.length) {
         const path = curve.x.map((x, k) => `${X(x).toFixed(1)},${Y(curve.y[k]).toFixed(1)}`);
-        draw("polyline", { class: "curve", points: path.join(" "), stroke: colour(curve, i) }, svg);
+        draw("polyline", { class: "curve", points: path.join(" "), stroke: color(curve, i) }, svg);
       }
     });
 
@@ -127,7 +127,7 @@ function render({ model, el }) {
     series.forEach((curve, i) => {
       const y = at(curve, marker);
       if (y === undefined || curve.points) return;
-      draw("circle", { cx: x, cy: Y(y), r: 5, fill: colour(curve, i) }, svg);
+      draw("circle", { cx: x, cy: Y(y), r: 5, fill: color(curve, i) }, svg);
       // With several curves the panels' titles give the values.
       if (series.length > 1) return;
       const left = x > middle;

@@ -1,20 +1,22 @@
 """Curves with a moving marker, drawn in the page."""
 
-from pathlib import Path
+from __future__ import annotations
 
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import anywidget
 import numpy as np
 import traitlets
-
-from meshfair.viewer import libraries
-
-anywidget = libraries.load("anywidget", "an explorer")
+from numpy.typing import ArrayLike
 
 
-class Chart(anywidget.AnyWidget):
-    """A small chart of curves or points; see chart.js.
+class CurvePlot(anywidget.AnyWidget):
+    """A small plot of curves or points; see curves.js.
 
     Drawn by the page from the numbers, so that a marker moves without a
-    picture being sent, and the chart has the notebook's theme and width.
+    picture being sent, and the plot has the notebook's theme and width.
 
     Parameters
     ----------
@@ -24,20 +26,28 @@ class Chart(anywidget.AnyWidget):
         Of `anywidget.AnyWidget`, such as a layout.
     """
 
-    _esm = Path(__file__).with_name("chart.js")
-    _css = Path(__file__).with_name("chart.css")
+    _esm = Path(__file__).with_name("curves.js")
+    _css = Path(__file__).with_name("curves.css")
     title = traitlets.Unicode().tag(sync=True)
     x_label = traitlets.Unicode().tag(sync=True)
     y_label = traitlets.Unicode().tag(sync=True)
-    series = traitlets.List().tag(sync=True)
-    x_range = traitlets.List(allow_none=True, default_value=None).tag(sync=True)
-    y_range = traitlets.List(allow_none=True, default_value=None).tag(sync=True)
+    series: Any = traitlets.List().tag(sync=True)
+    x_range: Any = traitlets.List(allow_none=True, default_value=None).tag(sync=True)
+    y_range: Any = traitlets.List(allow_none=True, default_value=None).tag(sync=True)
     threshold = traitlets.Float(allow_none=True, default_value=None).tag(sync=True)
     marker = traitlets.Float(allow_none=True, default_value=None).tag(sync=True)
     picked = traitlets.Float(allow_none=True, default_value=None).tag(sync=True)
     """Where on the x axis the reader last clicked."""
 
-    def draw(self, curves, *, points=False, colours=None, threshold=None, x_range=None):
+    def draw(
+        self,
+        curves: Mapping[str, tuple[ArrayLike, ArrayLike]],
+        *,
+        points: bool = False,
+        colors: Mapping[str, str] | None = None,
+        threshold: float | None = None,
+        x_range: tuple[float, float] | None = None,
+    ) -> None:
         """Show some curves in place of those before.
 
         Parameters
@@ -46,7 +56,7 @@ class Chart(anywidget.AnyWidget):
             Name -> coordinates; values that are not finite are left out.
         points : bool
             Points, not joined by lines.
-        colours : dict of str to str, optional
+        colors : dict of str to str, optional
             A CSS colour for each name.
         threshold : float, optional
             Draw a line across at this y, and make what lies above it stand out.
@@ -63,7 +73,7 @@ class Chart(anywidget.AnyWidget):
                     "x": x[shown].tolist(),
                     "y": y[shown].tolist(),
                     "points": points,
-                    "colour": (colours or {}).get(name, ""),
+                    "color": (colors or {}).get(name, ""),
                 }
             )
         # One message for all of it, so that the page never shows a mixture.

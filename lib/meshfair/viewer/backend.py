@@ -1,0 +1,49 @@
+"""The one interface between a view and what draws it in the page.
+
+There are two back ends: `meshfair.viewer.frames` streams polyscope's pictures,
+`meshfair.viewer.in_page` lets k3d draw in the page. A view knows of them, and
+they of a view, what stands here and no more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, Protocol
+
+from meshfair.checks import Floats
+from meshfair.viewer.camera import Camera
+from meshfair.viewer.panel import Panel, Scale
+
+
+class Backend(Protocol):
+    """What draws a view's panels in the page; made with the view that it draws."""
+
+    @property
+    def widget(self) -> Any:
+        """The ipywidget that stands in the page."""
+
+    def refresh(self, panels: Iterable[int]) -> None:
+        """Draw some panels again: their meshes, values, titles, or the colour bar changed."""
+
+    def camera_moved(self) -> None:
+        """Draw all panels again: the view's camera changed."""
+
+
+class Shown(Protocol):
+    """What a back end reads of its view, and the two things that a page asks of it."""
+
+    panels: list[Panel]
+    titles: list[str]
+    label: str
+    up: Floats
+    camera: Camera
+
+    @property
+    def scale(self) -> Scale | None:
+        """How the panels' values become colours now."""
+
+    def fit(self, aspect: float) -> None:
+        """The page says the shape of the panels, width over height."""
+
+    def reset(self) -> None:
+        """The page asks for the first camera again."""
