@@ -1,6 +1,6 @@
 """The process in which a student's code runs: loads the file, answers calls.
 
-Started by ``isolation`` as ``python -I -m meshfair_grading.child CHANNEL LIMITS USER``.
+Started by ``isolation`` with the words CHANNEL LIMITS USER, in JSON.
 Only requests come in and values go out; no right answer is ever here.
 """
 

@@ -26,6 +26,12 @@ KEPT_OUTPUT = 4000
 # No network device but a loopback that is down; processes that die with their first one.
 NAMESPACES = ("unshare", "--net", "--ipc", "--pid", "--fork", "--kill-child")
 NUMBA = "numba"
+# Python without its environment (-I) finds this very package all the same, wherever it lies.
+START = (
+    "import runpy, sys; sys.path.insert(0, sys.argv.pop(1)); "
+    "runpy.run_module('meshfair_grading.child', run_name='__main__')"
+)
+PACKAGES = Path(__file__).parents[1]
 STARTUP = 60.0  # seconds; importing SciPy on a busy machine
 
 
@@ -180,7 +186,7 @@ class Process:
             "files": limits.files,
         }
         user = NOBODY if isolation.nobody else None
-        command = [sys.executable, "-I", "-B", "-m", "meshfair_grading.child"]
+        command = [sys.executable, "-I", "-B", "-c", START, str(PACKAGES)]
         command += [str(theirs.fileno()), json.dumps(child_limits), json.dumps(user)]
         with theirs:
             self._popen = subprocess.Popen(

@@ -103,8 +103,23 @@ class Source:
         -------
         meshfair_grading.assignment.Assignment
             The object that the checks call ``check``.
+
+        Raises
+        ------
+        ValueError
+            They make none.
         """
-        check: Assignment = self._run("checks", f"{self.name}_checks").check
+        module = types.ModuleType(f"{self.name}_checks")
+        module.__file__ = str(self.path)
+        for cell in self.cells:
+            if cell.kind == "checks":  # with the file's own line numbers
+                code = "\n" * (cell.line - 1) + cell.text
+                exec(compile(code, str(self.path), "exec"), module.__dict__)
+        check: Assignment | None = getattr(module, "check", None)
+        if check is None:
+            raise ValueError(
+                f"{self.path} is no instructor's file: no cell '# %% checks' makes a `check`"
+            )
         return check
 
     def solution(self) -> str:
@@ -153,29 +168,19 @@ class Source:
         str
         """
         points = self.load().tasks
-        cells = [self._nbgrader_cell(place, cell, points) for place, cell in enumerate(self.cells)]
+        cells = [self._nbgrader_cell(i, cell, points) for i, cell in enumerate(self.cells)]
         return _notebook(cells)
 
     def _text(self, kind: str, change: Callable[[str], str]) -> str:
         cells = [change(cell.text).strip("\n") for cell in self.cells if cell.kind == kind]
         return "\n\n\n".join(cells) + "\n"
 
-    def _run(self, kind: str, name: str) -> Any:
-        """Run the cells of a kind as a module, with the file's own line numbers."""
-        module = types.ModuleType(name)
-        module.__file__ = str(self.path)
-        for cell in self.cells:
-            if cell.kind == kind:
-                code = "\n" * (cell.line - 1) + cell.text
-                exec(compile(code, str(self.path), "exec"), module.__dict__)
-        return module
-
-    def _student_cell(self, place: int, cell: Cell) -> NotebookNode:
+    def _student_cell(self, index: int, cell: Cell) -> NotebookNode:
         # A result cell may end with NotImplementedError; "Run All" then goes on.
         tags = {"tags": ["raises-exception"]} if cell.kind == "result" else {}
-        return _notebook_cell(f"{self.name}-{place:02}", cell, cell.text, tags)
+        return _notebook_cell(f"{self.name}-{index:02}", cell, cell.text, tags)
 
-    def _nbgrader_cell(self, place: int, cell: Cell, points: dict[str, float]) -> NotebookNode:
+    def _nbgrader_cell(self, index: int, cell: Cell, points: dict[str, float]) -> NotebookNode:
         text = cell.text.strip("\n")
         grade: dict[str, Any] = {
             "schema_version": 3,
@@ -183,7 +188,7 @@ class Source:
             "solution": False,
             "locked": True,
         }
-        grade |= {"task": False, "grade_id": f"{self.name}-{place:02}"}
+        grade |= {"task": False, "grade_id": f"{self.name}-{index:02}"}
         if cell.kind == "module":
             to_fill_in = bool(SOLUTION.search(cell.text))
             grade |= {"solution": to_fill_in, "locked": not to_fill_in}
@@ -207,7 +212,7 @@ def _cells(text: str, path: Path) -> Iterator[Cell]:
     heads = [text.count("\n", 0, head.start()) + 2 for head in HEAD.finditer(text)]
     first = HEAD.search(text)
     notebook = jupytext.reads(text[first.start() :] if first else "", fmt="py:percent")
-    for cell, line in zip(notebook.cells, heads, strict=False):
+    for cell, line in zip(notebook.cells, heads, strict=True):
         kind = "[markdown]" if cell.cell_type == "markdown" else cell.metadata.get("title", "")
         if kind not in KINDS:
             raise ValueError(f"{path}, line {line - 1}: no cell kind {kind!r}; known: {KINDS}")

@@ -19,7 +19,7 @@ check = Assignment(
             "meshfair.operators",
             "meshfair.flow",
         ),
-        refused=("meshfair.shapes", "meshfair.filters", "meshfair.io", "meshfair.datasets"),
+        blocked=("meshfair.shapes", "meshfair.filters", "meshfair.io", "meshfair.datasets"),
     ),
 )
 
