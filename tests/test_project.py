@@ -12,6 +12,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+from meshfair import checks
+
 import conftest
 import meshfair
 
