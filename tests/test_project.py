@@ -12,10 +12,9 @@ from pathlib import Path
 import pytest
 import yaml
 
-from meshfair import checks
-
 import conftest
 import meshfair
+from meshfair import checks
 
 ROOT = Path(__file__).resolve().parent.parent
 LIB = ROOT / "lib"
