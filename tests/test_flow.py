@@ -238,7 +238,7 @@ def test_fixed_vertices_that_are_none(fixed, message):
 def test_a_flow_that_explodes_is_stopped(compiled, rng, monkeypatch):
     V, F, A = torus_and_average()
     V = noise.gaussian(V, F, 0.3, rng)
-    monkeypatch.setattr(_fast, "wanted", lambda rows: compiled)
+    monkeypatch.setattr(_fast, "wanted", lambda *rows: compiled)
     for call in (
         lambda: flow.snr_curve(V, V + 1, A, 1e3, 1e6),
         lambda: list(flow.heat(V, A, 1e3, 1e6)),
@@ -250,7 +250,7 @@ def test_a_flow_that_explodes_is_stopped(compiled, rng, monkeypatch):
 @pytest.mark.parametrize("iterations", [0, 1, 2, 3])
 @pytest.mark.parametrize("compiled", [False, True])
 def test_averaging_gives_a_new_array(iterations, compiled, monkeypatch):
-    monkeypatch.setattr(_fast, "wanted", lambda rows: compiled)
+    monkeypatch.setattr(_fast, "wanted", lambda *rows: compiled)
     V, _, A = torus_and_average()
     before = V.copy()
     X = flow.average(V, A, iterations)

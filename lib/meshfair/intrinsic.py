@@ -132,7 +132,7 @@ def delaunay(V: ArrayLike, F: ArrayLike, *, mollify: float = 1e-6) -> Triangulat
     length = _mollified(np.linalg.norm(V[tail] - V[tip], axis=1), T, mollify)
     sheets = len(tail) // (3 * len(T))
     most = MOST_FLIPS * len(tail)
-    if _fast.wanted(len(T)):
+    if _fast.wanted(len(T), _fast.FILTER_ROWS):
         ended = _fast.intrinsic.flip_until_delaunay(tail, twin, length, most, ROUNDING)
     else:
         flips = _Flips(tail, twin, length)

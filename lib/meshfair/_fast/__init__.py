@@ -15,9 +15,11 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
-# Rows (vertices or faces) from which on the loops repay the half second that numba
-# takes to load: below, NumPy does the work of a notebook's mesh in less than that.
+# Rows (vertices or faces) from which on the loops repay the half second that numba and they take
+# to load: ten flows of twenty steps on 20,000 vertices save as much, or two runs of guided normal
+# filtering or of feature-convinced denoising on 3,000 faces (tests/benchmarks/thresholds.py).
 ROWS = 20_000
+FILTER_ROWS = 3_000
 
 _MODULES = (
     "cg", "creases", "faces", "filters", "flow", "intrinsic", "kernels", "multigrid",
@@ -35,9 +37,9 @@ def available() -> bool:
     return True
 
 
-def wanted(rows: int) -> bool:
+def wanted(rows: int, least: int = ROWS) -> bool:
     """Whether a mesh of this many rows is worth the compiled loops, and they are there."""
-    return rows >= ROWS and available()
+    return rows >= least and available()
 
 
 def __getattr__(name: str) -> Any:

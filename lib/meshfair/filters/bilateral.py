@@ -110,7 +110,7 @@ def move_along_normals(
     -------
     ndarray of float64, shape (n, 3)
     """
-    if _fast.wanted(len(V)):
+    if _fast.wanted(len(V), _fast.FILTER_ROWS):
         return _fast.filters.move_along_normals(V, N, near, sigma_c, LEAST_DEVIATION, fixed)
 
     i, j = entries(near)

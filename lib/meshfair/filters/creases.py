@@ -68,7 +68,7 @@ def trace_lines(
     """
     seeds = np.flatnonzero(candidate)
     seeds = seeds[np.argsort(-bend[seeds], kind="stable")]
-    if _fast.wanted(len(V)):
+    if _fast.wanted(len(V), _fast.FILTER_ROWS):
         straight = np.cos(STRAIGHT)
         return _fast.creases.trace_lines(seeds, V, ends, bend, candidate, gap, shortest, straight)
     lines = _Lines(ends, *continuations(V, ends, bend, candidate), candidate, gap, shortest)
@@ -189,7 +189,7 @@ def crease_guidance(pairs: Integers, N: Floats, area: Floats, C: Floats) -> Floa
     f, g = pairs.T
     ones = np.ones(2 * len(f), dtype=np.int8)
     graph = csr_array((ones, (np.append(f, g), np.append(g, f))), shape=(len(N), len(N)))
-    if _fast.wanted(len(N)):
+    if _fast.wanted(len(N), _fast.FILTER_ROWS):
         return _fast.creases.patch_means(graph, N, area, C, PATCH)
     beside, patch = _padded_rows(graph), np.arange(len(N))[:, None]
     for _ in range(PATCH - 1):  # all patches grow by one face at once

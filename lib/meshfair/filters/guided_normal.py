@@ -149,7 +149,7 @@ def guidance(patches: Patches, N: Floats, area: Floats) -> Floats:
         Unit vectors; zero where the patch's normals cancel.
     """
     R = patches.rings
-    if _fast.wanted(len(N)):
+    if _fast.wanted(len(N), _fast.FILTER_ROWS):
         return _fast.filters.guidance(R, patches.across, N, area, FLAT)
     f, g = patches.adjacent
     difference = np.linalg.norm(N[f] - N[g], axis=1)

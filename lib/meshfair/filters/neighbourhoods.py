@@ -97,7 +97,7 @@ def within(P: Floats, graph: csr_array, radius: Floats) -> csr_array:
     csr_array of bool, shape (k, k)
         Row i lists point i and the points nearer to it than its radius.
     """
-    if _fast.wanted(len(P)):
+    if _fast.wanted(len(P), _fast.FILTER_ROWS):
         return _fast.neighbourhoods.within(P, graph, radius)
     ones = np.ones(graph.nnz, dtype=bool)  # an edge of length 0 connects, too
     connected = csr_array((ones, graph.indices, graph.indptr), shape=graph.shape)

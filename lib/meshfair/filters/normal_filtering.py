@@ -182,7 +182,7 @@ def sun_normals(R: csr_array, N: Floats, T: float) -> Floats:
     ndarray of float64, shape (m, 3)
         Unit vectors; where all weights vanish, the normal as it was.
     """
-    if _fast.wanted(len(N)):
+    if _fast.wanted(len(N), _fast.FILTER_ROWS):
         return _fast.filters.sun_normals(R, N, T)
     i, j = entries(R)
     cosine = sum(n[i] * n[j] for n in N.T)
@@ -216,7 +216,7 @@ def spatial_weights(near: csr_array, C: Floats, area: Floats, sigma_space: float
     -------
     csr_array of float64, shape (m, m)
     """
-    if _fast.wanted(len(C)):
+    if _fast.wanted(len(C), _fast.FILTER_ROWS):
         return _fast.filters.spatial_weights(near, C, area, sigma_space)
     i, j = entries(near)
     s = area[j] * gaussian(squared_distances(C, i, j), sigma_space)
@@ -242,7 +242,7 @@ def joint_bilateral(S: csr_array, N: Floats, G: Floats, sigma_normal: float) -> 
     ndarray of float64, shape (m, 3)
         Unit vectors; where all weights vanish, the normal as it was.
     """
-    if _fast.wanted(len(N)):
+    if _fast.wanted(len(N), _fast.FILTER_ROWS):
         return _fast.filters.joint_bilateral(S, N, G, sigma_normal)
     i, j = entries(S)
     w = S.data * gaussian(squared_distances(G, i, j), sigma_normal)
@@ -278,7 +278,7 @@ def move_vertices(V: Floats, F: Integers, B: csr_array, N: Floats, fixed: Boolea
     -------
     ndarray of float64, shape (n, 3)
     """
-    if _fast.wanted(len(F)):
+    if _fast.wanted(len(F), _fast.FILTER_ROWS):
         return _fast.filters.move_vertices(V, F, B, N, fixed)
     i, f = entries(B)
     centroids = (V[F[:, 0]] + V[F[:, 1]] + V[F[:, 2]]) / 3
