@@ -146,7 +146,7 @@ class Student:
         page.evaluate(
             """async path => {
                 const { commands, shell } = window.jupyterapp;
-                for (const old of shell.widgets("main")) {
+                for (const old of [...shell.widgets("main")]) {
                     await old.sessionContext?.shutdown();
                     old.dispose();
                 }
