@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from meshfair_grading import source as source_module
 from meshfair_grading.feedback import Report
 from meshfair_grading.generate import ASSIGNMENTS, drifted, main
-from meshfair_grading import source as source_module
 from meshfair_grading.source import HIDDEN, MARKER, SOLUTION, Source
 from meshfair_grading.students import NotebookStudent
 
@@ -153,6 +153,7 @@ def test_a_faulty_source_is_refused(text, message, tmp_path):
         Source.read(path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_the_students_notebook_runs(name, tmp_path):
     """In a kernel, from a fresh folder: with the stub, and after the solution was saved."""
@@ -226,9 +227,9 @@ def nbgrader_points(interface, course, right, wrong):
     for mine, theirs in zip(source["cells"], release["cells"], strict=True):
         if mine["metadata"].get("nbgrader", {}).get("solution"):
             theirs["source"] = "".join(mine["source"]).replace(right, wrong)
-    handed_in = course / "submitted" / "bela" / "a2" / "a2.ipynb"
-    handed_in.parent.mkdir(parents=True)
-    handed_in.write_text(json.dumps(release), "utf-8")
+    submission = course / "submitted" / "bela" / "a2" / "a2.ipynb"
+    submission.parent.mkdir(parents=True)
+    submission.write_text(json.dumps(release), "utf-8")
     told = interface.autograde("a2", "bela")
     assert told["success"], told["log"]
     with interface.gradebook as gradebook:

@@ -147,6 +147,7 @@ def test_it_is_the_mesh_that_is_refused(name, tmp_path):
     """With a good mesh the same call works (those that show something have tests of their own)."""
     good = shapes.icosphere(1)
     call(name, *good, good, tmp_path)
+    call(name, *(array.tolist() for array in good), good, tmp_path)  # lists are meshes, too
 
 
 def test_the_functions_are_found():

@@ -1,5 +1,8 @@
 """The filters' compiled loops equal their formulas in NumPy, on every kind of mesh."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -64,7 +67,7 @@ def around(V, F):
     return B, neighbourhoods.face_rings(B), *mesh.face_shapes(V, F)
 
 
-def ways_to_hold(V):
+def ways_to_fix(V):
     """No vertex fixed, and every third."""
     return np.zeros(len(V), dtype=bool), np.arange(len(V)) % 3 == 0
 
@@ -85,7 +88,7 @@ def check_heights(V, F):
     sigma = shortest_edges(lengths)
     near = neighbourhoods.within(V, lengths, 2 * sigma)
     N = mesh.vertex_normals(V, F)
-    for fixed in ways_to_hold(V):
+    for fixed in ways_to_fix(V):
         same(both(lambda h=fixed: move_along_normals(V, N, near, sigma, h)))
 
 
@@ -102,7 +105,7 @@ def check_means(V, F):
         for guides in (N, G):
             same(both(lambda g=guides, S=plain: normal_filtering.joint_bilateral(S, N, g, 0.5)))
     same(both(lambda: normal_filtering.joint_bilateral(plain, N, G, 1e-200)))
-    for fixed in ways_to_hold(V):
+    for fixed in ways_to_fix(V):
         same(both(lambda h=fixed: normal_filtering.move_vertices(V, F, B, N, h)))
 
 
@@ -214,3 +217,23 @@ def test_the_number_of_cores_changes_no_digit(monkeypatch):
     expected = run()
     monkeypatch.setattr(kernels, "threads", lambda: 3)
     np.testing.assert_array_equal(run(), expected)
+
+
+def test_small_meshes_load_no_numba():
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-c",
+            "import sys\n"
+            "from meshfair import filters, intrinsic, shapes\n"
+            "V, F = shapes.knot(30, 5)\n"
+            "for name in filters.__all__:\n"
+            "    for _ in getattr(filters, name)(V, F):\n"
+            "        pass\n"
+            "intrinsic.cotangent(V, F)\n"
+            "assert 'numba' not in sys.modules\n",
+        ],
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr

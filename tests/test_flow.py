@@ -3,6 +3,7 @@ import warnings
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_array
 
 from meshes import fan
 from meshfair import (
@@ -262,3 +263,70 @@ def test_an_operator_with_columns_that_do_not_exist_is_refused():
     A.indices[3] = 10**6
     with pytest.raises(MeshError, match="a column that it does not have"):
         flow.average(V, A, 1)
+
+
+def test_lists_are_positions_and_other_things_are_not():
+    V, _, A = torus_and_average()
+    np.testing.assert_array_equal(flow.average(V.tolist(), A, 2), flow.average(V, A, 2))
+    np.testing.assert_array_equal(
+        flow.snr_curve(V.tolist(), (V + 1).tolist(), A, 0.5, 1),
+        flow.snr_curve(V, V + 1, A, 0.5, 1),
+    )
+    bad = V.copy()
+    bad[7, 1] = np.nan
+    for call in (
+        lambda X: flow.average(X, A, 1),
+        lambda X: flow.heat(X, A, 0.5, 1),
+        lambda X: flow.best_stopping(X, V, A, 0.5, 1),
+        lambda X: flow.best_stopping(V, X, A, 0.5, 1),
+    ):
+        with pytest.raises(MeshError, match="vertex 7 has y = nan"):
+            call(bad)
+
+
+def test_an_operator_is_built_before_each_step():
+    V, _, A = torus_and_average()
+    seen = []
+
+    def build(X):
+        seen.append(X.copy())
+        return A
+
+    states = [X for _, X in flow.heat(V, build, 0.5, 2)]
+    assert len(states) == 5
+    assert len(seen) == 4  # once a step, from the positions before it
+    for X, state in zip(seen, states, strict=False):
+        np.testing.assert_array_equal(X, state)
+
+
+def test_an_operator_that_becomes_another_ones_is_refused():
+    V, _, A = torus_and_average()
+    operators_in_turn = iter([A, csr_array(np.eye(5))])
+    states = flow.heat(V, lambda X: next(operators_in_turn), 0.5, 2)
+    with pytest.raises(MeshError, match=r"the operator has shape \(5, 5\), but V has 200"):
+        list(states)
+
+
+@pytest.mark.filterwarnings("ignore::meshfair.StabilityWarning")
+def test_a_backward_flow_has_as_many_steps_and_undoes_the_forward_one():
+    V, _, A = torus_and_average()
+    times, states = zip(*flow.heat(V, A, -0.25, 1), strict=True)
+    assert times == (0, -0.25, -0.5, -0.75, -1)
+    np.testing.assert_allclose(states[1], 1.25 * V - 0.25 * (A @ V), atol=1e-14)
+
+
+@pytest.mark.filterwarnings("ignore::meshfair.StabilityWarning")
+def test_one_vertex_that_outgrows_all_numbers_is_enough():
+    V = np.eye(3)
+    A = csr_array(np.diag([1.0, 1, 1e80]))
+    with pytest.raises(MeshError, match="outgrown all numbers at time 1"):
+        list(flow.heat(V, A, 1, 1))
+
+
+def test_the_gain_is_relative_to_the_size_of_a_negative_snr():
+    # One mesh of one vertex at distance 1: noise of 10 is -20 dB, of 5 it is -14 dB.
+    V_true, V = np.array([[1.0, 0, 0]]), np.array([[11.0, 0, 0]])
+    best = flow.best_stopping(V, V_true, csr_array([[6 / 11]]), 1, 1)
+    assert best.time == 1
+    assert best.snr == pytest.approx(-20 * np.log10(5))
+    assert best.gain == pytest.approx(100 * np.log10(2))

@@ -20,17 +20,17 @@ from hypothesis import strategies as st
 from scipy.sparse import coo_array, csr_array
 
 from hand_ins import HOSTILE, RIGHT, SOURCE, build
-from meshfair.cli import grade as command
 from meshfair.mesh import is_closed, volume
-from meshfair_grading import expect, marking, wire
+from meshfair_grading import command, expect, marking, protocol
 from meshfair_grading.answers import Answer, Failure, Other, Seeded, ask, plain
-from meshfair_grading.assignment import Assignment, Graded, Outcome
+from meshfair_grading.assignment import Assignment
 from meshfair_grading.feedback import Report
 from meshfair_grading.isolation import Isolation, Limits
 from meshfair_grading.marking import find, grade
 from meshfair_grading.meshes import unseen
+from meshfair_grading.outcomes import Graded, Outcome
 from meshfair_grading.rules import Rules, violations
-from meshfair_grading.students import Submission
+from meshfair_grading.students import IsolatedStudent
 
 SEED = 99
 
@@ -45,13 +45,14 @@ def walls():
 
 def run(walls, code, function="f", arguments=(), rules=None):
     """What one function of a submission answers."""
-    with Submission(code.encode(), "a9", rules or Rules(), walls) as student:
+    with IsolatedStudent(code.encode(), "a9", rules or Rules(), walls) as student:
         return student._ask(function, arguments)
 
 
 # --- A class ---------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_class_with_hostile_students_gets_its_marks(walls, tmp_path, monkeypatch):
     expected = build(tmp_path / "submissions", len(HOSTILE) + 3)
     out = tmp_path / "grades.csv"
@@ -77,23 +78,23 @@ def test_a_class_with_hostile_students_gets_its_marks(walls, tmp_path, monkeypat
     assert out.read_text() == table
 
 
-def fake_mark(handed_in, assignment, isolation, seed):
+def fake_mark(submission, assignment, isolation, seed):
     """A mark without running anything: the length of the file decides."""
-    earned = float(len(handed_in.path.read_bytes()) % 7)
+    earned = float(len(submission.path.read_bytes()) % 7)
     return marking.Mark(
-        handed_in.student, [Outcome("edges", "t", 7, earned, "partly")], "graded", []
+        submission.student, [Outcome("edges", "t", 7, earned, "partly")], "graded", []
     )
 
 
 def test_an_interrupted_run_goes_on_where_it_stopped(tmp_path, walls, monkeypatch):
     done = []
 
-    def counted(handed_in, *rest):
-        done.append(handed_in.student)
-        return fake_mark(handed_in, *rest)
+    def counted(submission, *rest):
+        done.append(submission.student)
+        return fake_mark(submission, *rest)
 
     monkeypatch.setattr(marking, "mark", counted)
-    monkeypatch.setattr(marking, "rehearse", lambda *_: None)
+    monkeypatch.setattr(marking, "dry_run", lambda *_: None)
     submissions = tmp_path / "in"
     for number in range(8):
         (submissions / f"s{number}").mkdir(parents=True)
@@ -143,6 +144,7 @@ def test_nobody_is_marked_by_checks_that_the_solution_fails(walls, tmp_path):
     assert not (tmp_path / "g_feedback" / "anna.md").exists()
 
 
+@pytest.mark.slow
 def test_the_command_marks_the_open_assignment_and_ranks(tmp_path, capsys):
     from meshfair.cli import main
 
@@ -199,8 +201,8 @@ def test_what_cannot_be_read_is_named(kind, tmp_path, walls):
         path.symlink_to("/etc/passwd")
     elif kind == "large":
         path.write_bytes(b"#" * 2_000_000)
-    handed_in = marking.HandedIn("anna", None if kind == "nothing" else path)
-    mark = marking.mark(handed_in, SOURCE.load(), walls, SEED)
+    submission = marking.Submission("anna", None if kind == "nothing" else path)
+    mark = marking.mark(submission, SOURCE.load(), walls, SEED)
     told = {"nothing": "nothing handed in", "link": "regular file", "large": "more than 1 MB"}
     assert told[kind] in mark.status
     assert sum(outcome.earned for outcome in mark.outcomes) == 0
@@ -274,7 +276,7 @@ def f():
 """
     # A limit that no other test has marks the command line.
     marked = dataclasses.replace(walls, limits=dataclasses.replace(walls.limits, files=61))
-    with Submission(code.encode(), "a9", Rules(), marked) as student:
+    with IsolatedStudent(code.encode(), "a9", Rules(), marked) as student:
         assert student.f() == 0
         assert len(command_lines(b'"files": 61')) >= 4
     deadline = time.monotonic() + 5
@@ -314,7 +316,7 @@ def f():
 
 def test_a_dead_process_costs_only_the_function_that_killed_it(walls):
     code = "def f():\n    __import__('os')._exit(3)\n\n\ndef g():\n    return 5\n"
-    with Submission(code.encode(), "a9", Rules(), walls) as student:
+    with IsolatedStudent(code.encode(), "a9", Rules(), walls) as student:
         with pytest.raises(expect.WrongAnswerError, match="exit code 3"):
             student.f()
         assert student.g() == 5
@@ -369,9 +371,9 @@ def test_the_description_names_every_wall(walls):
 def exchanged(data):
     ours, theirs = socket.socketpair()
     with ours, theirs:
-        sender = threading.Thread(target=wire.send, args=(ours, data))
+        sender = threading.Thread(target=protocol.send, args=(ours, data))
         sender.start()
-        received = wire.receive(theirs, time.monotonic() + 10)
+        received = protocol.receive(theirs, time.monotonic() + 10)
         sender.join()
     return received
 
@@ -428,37 +430,37 @@ def test_matrices_and_answers_arrive_as_they_were_sent():
 def test_messages_that_make_no_sense_are_refused(head):
     ours, theirs = socket.socketpair()
     with ours, theirs:
-        ours.sendall(wire.LENGTHS.pack(len(head), 8) + head + bytes(8))
-        with pytest.raises(wire.GarbledError):
-            wire.receive(theirs, time.monotonic() + 10)
+        ours.sendall(protocol.LENGTHS.pack(len(head), 8) + head + bytes(8))
+        with pytest.raises(protocol.ProtocolError):
+            protocol.receive(theirs, time.monotonic() + 10)
 
 
 def test_matrices_with_entries_outside_are_refused():
     row, data = np.array([5]), np.array([1.0])
-    with pytest.raises(wire.GarbledError, match="larger"):
-        wire._sparse(10**12, 3, row, row, data)
+    with pytest.raises(protocol.ProtocolError, match="larger"):
+        protocol._sparse(10**12, 3, row, row, data)
     ours, theirs = socket.socketpair()
     with ours, theirs:
         parts = []
         sparse = {"$": "sparse", "shape": [2, 2]}
-        sparse["parts"] = [wire._pack(part, parts) for part in (row, row, data)]
+        sparse["parts"] = [protocol._pack(part, parts) for part in (row, row, data)]
         head, body = json.dumps(sparse).encode(), b"".join(parts)
-        ours.sendall(wire.LENGTHS.pack(len(head), len(body)) + head + body)
-        with pytest.raises(wire.GarbledError, match="outside"):
-            wire.receive(theirs, time.monotonic() + 10)
+        ours.sendall(protocol.LENGTHS.pack(len(head), len(body)) + head + body)
+        with pytest.raises(protocol.ProtocolError, match="outside"):
+            protocol.receive(theirs, time.monotonic() + 10)
 
 
 def test_a_message_that_is_too_large_or_never_comes():
     ours, theirs = socket.socketpair()
     with ours, theirs:
         with pytest.raises(TimeoutError):
-            wire.receive(theirs, time.monotonic() + 0.05)
+            protocol.receive(theirs, time.monotonic() + 0.05)
         ours.sendall(struct.pack("<QQ", 2**40, 0))
-        with pytest.raises(wire.GarbledError, match="larger"):
-            wire.receive(theirs, time.monotonic() + 10)
+        with pytest.raises(protocol.ProtocolError, match="larger"):
+            protocol.receive(theirs, time.monotonic() + 10)
         ours.close()
         with pytest.raises(EOFError):
-            wire.receive(theirs, time.monotonic() + 10)
+            protocol.receive(theirs, time.monotonic() + 10)
 
 
 class Equal:
@@ -499,10 +501,10 @@ def test_failures_name_the_line_of_the_student(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("came", "hint"),
+    ("got", "hint"),
     [
         (Other("Equal", "<Equal>"), "no array of numbers"),
-        ([np.ones(2), np.ones(2)], "2 objects came"),
+        ([np.ones(2), np.ones(2)], "2 objects came back"),
         (np.ones((3, 2)), "that of the transpose"),
         (np.full((2, 3), np.nan), "divided by zero"),
         (np.full((2, 3), 1j), "complex"),
@@ -513,16 +515,16 @@ def test_failures_name_the_line_of_the_student(tmp_path):
         (csr_array((60_000, 60_000)), "The shape of X is wrong"),
     ],
 )
-def test_a_wrong_array_is_explained(came, hint):
+def test_a_wrong_array_is_explained(got, hint):
     right = np.arange(6.0).reshape(2, 3)
     with pytest.raises(expect.WrongAnswerError, match=hint):
-        expect.close(came, right, "X", mistakes=[("plus one", lambda: right + 1)])
+        expect.close(got, right, "X", mistakes=[("plus one", lambda: right + 1)])
 
 
 def test_right_values_pass_in_every_form():
     right = np.array([[0.0, 2.0], [1.0, 0.0]])
-    for came in (right, csr_array(right), right.astype(complex), right * (1 + 1e-9)):
-        expect.close(came, right, "X")
+    for got in (right, csr_array(right), right.astype(complex), right * (1 + 1e-9)):
+        expect.close(got, right, "X")
     expect.close(np.array([2.0]), 2.0, "x")
     expect.proportional(csr_array(right) * 7, csr_array(right), "X")
     with pytest.raises(expect.WrongAnswerError):
@@ -565,7 +567,7 @@ def half(student):
     return Graded(0.5, metric=3.0)
 
 
-class ScriptedStudent(Submission):
+class ScriptedStudent(IsolatedStudent):
     """Gives answers from a list."""
 
     def __init__(self, *answers):
@@ -616,7 +618,7 @@ def test_unseen_meshes_are_meshes_and_repeatable(ring):
 
 def test_feedback_cannot_be_markup():
     evil = "<script>alert(1)</script> [x](javascript:1) \x1b[31m"
-    report = Report("r", [Outcome("f", "t", 1, 0, "wrong", hint=evil, came=evil)], [evil], evil)
+    report = Report("r", [Outcome("f", "t", 1, 0, "wrong", hint=evil, got=evil)], [evil], evil)
     assert "<script>" not in report.page()
     assert "\x1b" not in report.page()
     lines = [line for line in report.markdown().splitlines() if not line.startswith("    ")]
@@ -627,6 +629,6 @@ def test_feedback_cannot_be_markup():
 
 def test_importing_the_command_is_quick():
     """The teacher's ``--help`` must not wait for SciPy."""
-    code = "import sys, meshfair.cli.grade; sys.exit('scipy' in sys.modules)"
+    code = "import sys, meshfair_grading.command; sys.exit('scipy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
     assert Path(command.__file__).exists()

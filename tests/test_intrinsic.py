@@ -207,7 +207,7 @@ def test_what_needs_no_flip_is_left_alone():
     assert abs(intrinsic.cotangent(V, F) - ordinary).max() < 1e-12
 
 
-def test_repeated_and_collapsed_faces_and_unused_vertices_do_not_count():
+def test_duplicate_and_collapsed_faces_and_unused_vertices_do_not_count():
     V, F = shapes.icosphere(1)
     X = np.concatenate([V, [[9.0, 9, 9]]])
     T = np.concatenate([F, F[:4, ::-1], [[3, 3, 5]]])
@@ -230,7 +230,7 @@ def test_a_wrong_mollification_is_refused(mollify):
         intrinsic.cotangent(*shapes.icosphere(0), mollify=mollify)
 
 
-def test_flips_that_do_not_end_are_told(monkeypatch):
+def test_flips_that_do_not_end_are_reported(monkeypatch):
     monkeypatch.setattr(intrinsic, "MOST_FLIPS", 0)
     with pytest.warns(MeshWarning, match="did not end"):
         W = intrinsic.cotangent(*shapes.knot())
@@ -246,7 +246,7 @@ def test_real_meshes(mirror, file):
     W = intrinsic.cotangent(V, F)
     assert (weights.cotangent(V, F).data < -1e-10).any()
     assert (W.data > 0).all()
-    # It needs vertices with faces, and counts repeated faces as often as they are stored.
+    # It needs vertices with faces, and counts duplicate faces as often as they are stored.
     V, F, *_ = mesh.repair(V, F, duplicates=True, unreferenced=True)
     theirs, _ = robust_laplacian.mesh_laplacian(V, F, mollify_factor=1e-6)
     ours = laplacian(intrinsic.cotangent(V, F))

@@ -41,8 +41,13 @@ def test_surface_distance_of_a_lifted_plane():
     assert metrics.surface_distance(inside, V, F) == pytest.approx(0, abs=1e-12)
 
 
-def test_snr_is_the_one_of_noise():
-    assert metrics.snr is metrics.snr
+def test_snr_by_hand():
+    V = np.array([[3.0, 4, 0], [0, 0, 5]])
+    V_noisy = V + [[0, 0, 1.0], [0, 0, 0]]
+    assert metrics.snr(V.tolist(), V_noisy.tolist()) == pytest.approx(20)  # 1 / 10 is 20 dB
+    assert metrics.snr(V, V) == np.inf
+    decibels = metrics.snr_of_distances(V, [1.0, 0.1, 0.0])
+    np.testing.assert_allclose(decibels, [20, 40, np.inf])
 
 
 def test_snr_depends_on_the_origin_and_the_others_do_not(rng):
@@ -96,3 +101,41 @@ def test_compare_meshes_of_other_faces():
     assert 0 < found["surface_distance"] < found["hausdorff"]
     assert found["volume_change"] > 0  # the finer one fills more of the sphere
     assert metrics.compare(*grid(3), *grid(2))["volume_change"] is None
+
+
+def test_an_angle_for_each_face_that_has_a_true_normal():
+    V = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    F = [[0, 1, 2], [0, 1, 3], [0, 2, 3]]
+    V_true = V.copy()
+    V_true[3] = [2, 0, 0]  # the second face has lost its area, the third lies in the plane
+    angles = metrics.normal_angles(V, V_true, F)
+    np.testing.assert_allclose(angles, [0, 90], atol=1e-12)
+
+
+def test_lengths_of_one_are_lengths():
+    V = np.array([[0.0, 0, 0], [1, 0, 0], [0.5, np.sqrt(3) / 2, 0]])
+    F = [[0, 1, 2]]
+    assert metrics.surface_distance(V + [0, 0, 0.25], V, F) == pytest.approx(0.25)
+    assert metrics.hausdorff((V + [0, 0, 0.25]).tolist(), F, V.tolist(), F) == pytest.approx(0.25)
+    with pytest.raises(MeshError, match="all its vertices in one place"):
+        metrics.surface_distance(V, 0 * V, F)
+
+
+def test_changes_of_a_mesh_that_is_inside_out():
+    V, F = shapes.icosphere(1)
+    inside_out = F[:, ::-1]
+    # The volume goes from -v to -2 v: it has changed by -1 of its size.
+    change = metrics.volume_change(2 ** (1 / 3) * V, V, inside_out)
+    assert change == pytest.approx(-1, rel=1e-12)
+    assert metrics.volume_change((2 * V).tolist(), V.tolist(), F) == pytest.approx(7, rel=1e-12)
+    assert metrics.area_change((2 * V).tolist(), V.tolist(), F) == pytest.approx(3, rel=1e-12)
+
+
+def test_compare_goes_vertex_by_vertex_only_where_all_agrees():
+    V, F = shapes.icosphere(1)
+    assert metrics.compare(V.tolist(), F.tolist(), V.tolist(), F.tolist())["snr"] == np.inf
+    other_faces = metrics.compare(V, F[::-1], V, F)
+    assert other_faces["snr"] is other_faces["normal_angle"] is None
+    more_vertices = metrics.compare(np.concatenate([V, V[:1]]), F, V, F)
+    assert more_vertices["snr"] is more_vertices["normal_angle"] is None
+    assert more_vertices["surface_distance"] == pytest.approx(0, abs=1e-7)

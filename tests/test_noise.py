@@ -149,3 +149,57 @@ def test_an_unknown_estimate_is_named():
 def test_the_estimate_of_nothing_is_zero():
     V = np.array([[0.0, 0, 0], [0, 0, 0], [0, 0, 0]])
     assert denoising.estimate_noise(V, np.array([[0, 1, 2]]), by="differences") == 0
+
+
+@pytest.mark.parametrize("seed", [3, 4])
+def test_the_formulas_with_the_same_draws(seed):
+    def draws():
+        return np.random.default_rng(seed)
+
+    eps = 0.2 * mesh.mean_edge_length(V, F)
+    n = mesh.vertex_normals(V, F)
+    expected = {
+        "normals": V + eps * draws().standard_normal((N, 1)) * n,
+        "gaussian": V + eps * draws().standard_normal((N, 3)),
+        "uniform": V + 0.2 * draws().random((N, 3)),
+    }
+    for model, positions in expected.items():
+        found = noise.add(V.tolist(), F.tolist(), model, draws(), size=0.2)
+        np.testing.assert_allclose(found, positions, atol=1e-15)
+    rng = draws()
+    moved = rng.permutation(N)[: round(0.3 * N)]
+    expected = V.copy()
+    expected[moved] = noise.along_normals(V, F, 0.2, rng)[moved]
+    assert np.array_equal(noise.impulsive(V, F, 0.2, 0.3, draws()), expected)
+
+
+def test_at_snr_keeps_the_direction():
+    displacement = np.random.default_rng(0).standard_normal(V.shape)
+    noisy = noise.at_snr(V.tolist(), displacement.tolist(), 10)
+    scale = (noisy - V) / displacement
+    assert scale.min() > 0
+    np.testing.assert_allclose(scale, scale.mean(), rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda sigma, rng: noise.along_normals(V, F, sigma, rng),
+        lambda sigma, rng: noise.gaussian(V, F, sigma, rng),
+        lambda sigma, rng: noise.uniform(V, sigma, rng),
+        lambda sigma, rng: noise.impulsive(V, F, sigma, 0.5, rng),
+    ],
+)
+def test_every_model_checks_its_size_and_its_generator(make, rng):
+    for bad in (-0.1, np.nan, np.inf, "x", None):
+        with pytest.raises(ValueError, match=r"is .*; give a number of at least 0"):
+            make(bad, rng)
+    with pytest.raises(TypeError, match="default_rng"):
+        make(0.1, np.random.RandomState(1))
+    assert np.array_equal(make(0, rng), V)
+
+
+@pytest.mark.parametrize("decibels", [np.nan, np.inf, "loud"])
+def test_an_snr_that_is_no_number_is_refused(decibels):
+    with pytest.raises(ValueError, match="decibels is"):
+        noise.at_snr(V, V + 1, decibels)

@@ -182,3 +182,43 @@ def test_smoothing_the_boundary_alone_leaves_the_surface():
 def test_a_boundary_curve_of_the_wrong_size_is_refused(A):
     with pytest.raises(MeshError):
         operators.boundary_as_curve(A, grid(2)[1])
+
+
+# Not symmetric, and its second row sums to 0 with entries that are not.
+SKEW = csr_array([[0.0, 1, 3], [2, 0, -2], [1, 1, 0]])
+
+
+def test_rows_not_columns_are_summed():
+    np.testing.assert_array_equal(operators.degrees(SKEW), [4, 0, 2])
+    np.testing.assert_array_equal(
+        operators.averaging(SKEW).toarray(), [[0, 0.25, 0.75], [0, 1, 0], [0.5, 0.5, 0]]
+    )
+    np.testing.assert_array_equal(
+        operators.laplacian(SKEW).toarray(), [[4, -1, -3], [-2, 0, 2], [-1, -1, 2]]
+    )
+
+
+def test_diffusion_by_hand():
+    W = csr_array([[0.0, 1, 3], [1, 0, 0], [3, 0, 0]])
+    M = csr_array(np.diag([2.0, 4, 0]))  # the last vertex has no mass, and stays
+    expected = [[1 - 4 / 2, 1 / 2, 3 / 2], [1 / 4, 1 - 1 / 4, 0], [0, 0, 1]]
+    np.testing.assert_allclose(operators.diffusion(W, M).toarray(), expected, atol=1e-15)
+
+
+NOT_FINITE = csr_array([[0, np.nan, 0], [1, 0, 0], [0, 0, 0]])
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        operators.degrees,
+        lambda A: operators.diffusion(SKEW, A),
+        lambda A: operators.diffusion(A, SKEW),
+        lambda A: operators.boundary_as_curve(A, [[0, 1, 2]]),
+    ],
+)
+def test_matrices_that_are_not_finite_are_refused(call):
+    with pytest.raises(MeshError, match="NaN or infinite"):
+        call(NOT_FINITE)
+    with pytest.raises(MeshError, match="give a square sparse matrix"):
+        call(csr_array((2, 3)))

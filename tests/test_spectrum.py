@@ -16,7 +16,7 @@ def test_tetrahedron_by_hand():
 
 
 @pytest.mark.parametrize("build", [weights.distance, weights.cotangent])
-def test_modes_are_eigenvectors_orthonormal_in_the_inner_product_of_d(build, rng):
+def test_eigenmodes_are_eigenvectors_orthonormal_in_the_inner_product_of_d(build, rng):
     V, F = shapes.knot(30, 5)
     W = build(noise.along_normals(V, F, 0.3, rng), F)
     A, D = operators.averaging(W), np.diag(operators.degrees(W))
@@ -42,7 +42,7 @@ def test_stable_step_is_two_over_the_largest_mu(rng):
     assert stability.stable_step(operators.averaging(W)) == pytest.approx(bound, rel=2e-3)
 
 
-def test_response_is_what_the_flow_does_to_a_wave(rng):
+def test_the_transfer_function_is_what_the_flow_does_to_an_eigenmode(rng):
     V, F = shapes.torus(sections=12, sides=6)
     W = weights.cotangent(V, F)
     lam, Phi = spectrum.eigenmodes(W)
@@ -56,7 +56,7 @@ def test_response_is_what_the_flow_does_to_a_wave(rng):
     )
 
 
-def test_amplitudes_hold_the_whole_mesh():
+def test_coefficients_have_the_whole_mesh():
     V, F = shapes.torus(sections=12, sides=6)
     W = weights.combinatorial(F, len(V))
     squares = spectrum.coefficients(V, W, spectrum.eigenmodes(W)[1]) ** 2
@@ -70,3 +70,16 @@ def test_no_spectrum_of_large_meshes_or_lonely_vertices(monkeypatch):
     monkeypatch.setattr(spectrum, "LARGEST", 2)
     with pytest.raises(MeshError, match=r"3 vertices.*take a coarser mesh, of at most 2"):
         spectrum.eigenmodes(W)
+
+
+def test_a_transfer_function_by_hand():
+    # A factor of 1 - tau + tau lambda in each step.
+    found = spectrum.transfer_function([1, 0.5, 0, -1], 0.4)
+    np.testing.assert_allclose(found, [1, 0.8, 0.6, 0.2])
+    found = spectrum.transfer_function([1, 0.5, 0, -1], 0.4, iterations=2)
+    np.testing.assert_allclose(found, [1, 0.64, 0.36, 0.04])
+    np.testing.assert_allclose(spectrum.transfer_function([0.5], -1, iterations=0), [1])
+    with pytest.raises(ValueError, match="tau is inf"):
+        spectrum.transfer_function([1], np.inf)
+    with pytest.raises(ValueError, match="iterations is -1"):
+        spectrum.transfer_function([1], 0.5, iterations=-1)

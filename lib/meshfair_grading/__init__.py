@@ -8,12 +8,13 @@ in the teacher's process, send it meshes that the student has not seen.
 ==============  ==========================================================
 ``source``      an instructor's file, and the student's files made from it
 ``assignment``  tasks, points, checks; marks a student
+``outcomes``    what a check found, and what that is worth
 ``expect``      comparisons that explain what is wrong
 ``students``    a student's functions, in this process or in another one
 ``answers``     what a function returned, as plain data
 ``rules``       which imports and calls an assignment allows
 ``meshes``      the meshes that students have not seen
-``wire``        plain data between the two processes
+``protocol``    plain data between the two processes
 ``isolation``   limits, namespaces: the walls around the other process
 ``landlock``    which files it may read and write
 ``child``       what runs inside

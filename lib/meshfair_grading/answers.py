@@ -3,6 +3,7 @@
 import linecache
 import reprlib
 import traceback
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +15,13 @@ LARGEST_ANSWER = 64_000_000
 LONGEST_MESSAGE = 500
 DEEPEST = 3
 # Values of other types travel as one of these four.
-PLAIN = {"b": np.bool_, "i": np.int64, "u": np.int64, "f": np.float64, "c": np.complex128}
+PLAIN: dict[str, type[np.generic]] = {
+    "b": np.bool_,
+    "i": np.int64,
+    "u": np.int64,
+    "f": np.float64,
+    "c": np.complex128,
+}
 
 
 @dataclass(frozen=True)
@@ -51,12 +58,12 @@ class Answer:
 
     value: Any = None
     """ndarray, csr_array, `Other`, None, or a list of these."""
-    changed: tuple = ()
+    changed: tuple[int, ...] = ()
     """Positions of the arguments that the call changed in place."""
     failure: Failure | None = None
 
 
-def ask(function, arguments, file):
+def ask(function: Callable[..., Any], arguments: Sequence[Any], file: str) -> Answer:
     """Call a student's function on copies, and take down what comes.
 
     Parameters
@@ -75,8 +82,8 @@ def ask(function, arguments, file):
     try:
         value = plain(function(*given))
         changed = tuple(
-            place
-            for place, (before, after) in enumerate(zip(arguments, given, strict=True))
+            index
+            for index, (before, after) in enumerate(zip(arguments, given, strict=True))
             if not _same(before, after)
         )
         return Answer(value, changed)
@@ -86,7 +93,7 @@ def ask(function, arguments, file):
         return Answer(failure=failure(error, file))
 
 
-def failure(error, file):
+def failure(error: BaseException, file: str) -> Failure:
     """An exception as a `Failure`: its type, its message, and the student's line.
 
     Parameters
@@ -101,7 +108,7 @@ def failure(error, file):
     """
     lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__)
              if frame.filename == file]  # fmt: skip
-    line = lines[-1] if lines else 0
+    line = (lines[-1] if lines else 0) or 0
     if isinstance(error, SyntaxError) and error.filename == file:
         line = error.lineno or 0
     try:
@@ -118,7 +125,7 @@ def failure(error, file):
     return Failure("raised", f"{name}: {message}" if message else name, line, code)
 
 
-def plain(value, depth=0):
+def plain(value: Any, depth: int = 0) -> Any:
     """Numbers and arrays as arrays of four dtypes, sparse matrices as csr_array.
 
     Parameters
@@ -156,27 +163,27 @@ def plain(value, depth=0):
     return Other(type(value).__name__, _shown(value))
 
 
-def _check_size(array):
+def _check_size(array: Any) -> None:
     data = array.data if issparse(array) else array
     if max([data.nbytes, *array.shape]) > LARGEST_ANSWER:
         raise ValueError(f"the returned array has shape {array.shape}, far larger than asked for")
 
 
-def _shown(value):
+def _shown(value: object) -> str:
     try:
         return reprlib.repr(value)[:80]
     except Exception:  # a __repr__ of the student's own that fails
         return ""
 
 
-def _fresh(argument):
+def _fresh(argument: Any) -> Any:
     """An argument that the student's function may spoil."""
     if isinstance(argument, Seeded):
         return np.random.default_rng(argument.seed)
     return argument.copy() if isinstance(argument, (np.ndarray, csr_array)) else argument
 
 
-def _same(before, after):
+def _same(before: Any, after: Any) -> bool:
     if isinstance(before, np.ndarray):
         return before.shape == after.shape and np.array_equal(before, after, equal_nan=True)
     if isinstance(before, csr_array):

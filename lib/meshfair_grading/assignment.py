@@ -1,45 +1,24 @@
 """An assignment: its tasks, their points, and the checks that give them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cache
+from typing import Any, TypeVar
 
 from meshfair_grading.expect import WrongAnswerError
 from meshfair_grading.feedback import Report
+from meshfair_grading.outcomes import Graded, Outcome
 from meshfair_grading.rules import Rules
-from meshfair_grading.students import NotDoneError, NotebookStudent
+from meshfair_grading.students import NotDoneError, NotebookStudent, Student
+
+# Cases of a check by seed: what is being tried, then the check's arguments after the student.
+Cases = Callable[[int], Iterable[tuple[Any, ...]]]
 
 # What right values are worth that cost the caller the input.
 SHARE_IN_PLACE = 0.5
 
 
-@dataclass(frozen=True)
-class Graded:
-    """What a check returns that gives a part of its points."""
-
-    share: float
-    """0 to 1 of the points."""
-    hint: str = ""
-    expected: str = ""
-    came: str = ""
-    metric: float | None = None
-    """A figure for the leaderboard; larger is better."""
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What one check found."""
-
-    task: str
-    title: str
-    points: float
-    earned: float
-    status: str
-    """right, partly, wrong or not done."""
-    hint: str = ""
-    expected: str = ""
-    came: str = ""
-    metric: float | None = None
+Run = TypeVar("Run", bound=Callable[..., Graded | None])
 
 
 @dataclass(frozen=True)
@@ -49,8 +28,8 @@ class Check:
     task: str
     title: str
     points: float
-    cases: Callable
-    run: Callable
+    cases: Cases
+    run: Callable[..., Graded | None]
 
 
 class Assignment:
@@ -77,14 +56,14 @@ class Assignment:
         those of a submission.
     """
 
-    def __init__(self, name, title, *, rules=None, seed=0):
+    def __init__(self, name: str, title: str, *, rules: Rules | None = None, seed: int = 0) -> None:
         self.name, self.title, self.seed = name, title, seed
         self.rules = rules or Rules()
         self.module = name
-        self.checks = []
-        self._cases = {}
+        self.checks: list[Check] = []
+        self._cases: dict[Cases, Cases] = {}
 
-    def part(self, task, points, cases):
+    def part(self, task: str, points: float, cases: Cases) -> Callable[[Run], Run]:
         """Decorator: a function becomes a check, its docstring the check's title.
 
         Parameters
@@ -104,8 +83,8 @@ class Assignment:
             returns None for full points, or a `Graded`.
         """
 
-        def register(run):
-            title = run.__doc__.partition("\n")[0].rstrip(".")
+        def register(run: Run) -> Run:
+            title = (run.__doc__ or "").partition("\n")[0].rstrip(".")
             # Checks with the same cases get the same meshes.
             made = self._cases.setdefault(cases, cache(lambda seed: list(cases(seed))))
             self.checks.append(Check(task, title, points, made, run))
@@ -114,19 +93,19 @@ class Assignment:
         return register
 
     @property
-    def tasks(self):
+    def tasks(self) -> dict[str, float]:
         """Points of each task, in order.
 
         Returns
         -------
         dict of str to float
         """
-        tasks = {}
+        tasks: dict[str, float] = {}
         for check in self.checks:
             tasks[check.task] = tasks.get(check.task, 0) + check.points
         return tasks
 
-    def mark(self, student, seed, task=None):
+    def mark(self, student: Student, seed: int, task: str | None = None) -> list[Outcome]:
         """Run the checks on a student's functions.
 
         Parameters
@@ -144,19 +123,19 @@ class Assignment:
         chosen = [check for check in self.checks if task in (None, check.task)]
         return [_outcome(check, student, seed) for check in chosen]
 
-    def __call__(self, task=None):
+    def __call__(self, task: str | None = None) -> Report:
         """Check what is in the notebook's module now, and report."""
         if task is not None and task not in self.tasks:
             raise ValueError(f"no task {task!r}; the tasks are {', '.join(self.tasks)}")
         student = NotebookStudent(self.module, self.rules)
         return Report(f"{self.name} · {task or self.title}", self.mark(student, self.seed, task))
 
-    def points(self, task):
+    def points(self, task: str) -> float:
         """The points of one task, which nbgrader takes as a cell's partial credit."""
         return self(task).earned
 
 
-def _outcome(check, student, seed):
+def _outcome(check: Check, student: Student, seed: int) -> Outcome:
     """Run one check on all its cases; the one with the smallest share decides."""
     outcome = Outcome(check.task, check.title, check.points, 0.0, "wrong")
     student.changed = []
@@ -168,12 +147,12 @@ def _outcome(check, student, seed):
             return replace(outcome, status="not done", hint=str(error))
         except WrongAnswerError as wrong:
             hint = f"On {tried}: {wrong.hint}"
-            return replace(outcome, hint=hint, expected=wrong.expected, came=wrong.came)
-        except OSError:  # no process could be started: this machine's fault, not the student's
+            return replace(outcome, hint=hint, expected=wrong.expected, got=wrong.got)
+        except OSError:  # no process could be started: an error of this machine, not of the student
             raise
         except Exception as error:  # an answer so odd that the check trips over it
-            told = f"{type(error).__name__}: {error}"
-            hint = f"On {tried}: the check cannot make sense of your answer ({told})."
+            message = f"{type(error).__name__}: {error}"
+            hint = f"On {tried}: the check cannot make sense of your answer ({message})."
             return replace(outcome, hint=hint)
     graded, tried = min(found, key=lambda pair: (pair[0].share, pair[0].metric or 0.0))
     outcome = replace(
@@ -181,18 +160,18 @@ def _outcome(check, student, seed):
         earned=round(2 * check.points * graded.share) / 2,  # half points
         hint=f"On {tried}: {graded.hint}" if graded.hint else "",
         expected=graded.expected,
-        came=graded.came,
+        got=graded.got,
         metric=graded.metric,
     )
     if student.changed and outcome.earned:
-        function, place = student.changed[0]
+        function, index = student.changed[0]
         outcome = replace(
             outcome,
             earned=SHARE_IN_PLACE * outcome.earned,
-            hint=f"The values are right, but `{function}` changed its argument number {place + 1} "
+            hint=f"The values are right, but `{function}` changed its argument number {index + 1} "
             "in place, and the caller's mesh with it: work on a copy.",
             expected="arguments as they were",
-            came="changed arguments",
+            got="changed arguments",
         )
     full = outcome.earned == outcome.points
     return replace(outcome, status="right" if full else "partly" if outcome.earned else "wrong")

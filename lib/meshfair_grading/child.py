@@ -1,71 +1,71 @@
 """The process in which a student's code runs: loads the file, answers calls.
 
-Started by ``isolation`` as ``python -I -m meshfair_grading.child CHANNEL LIMITS USER``.
-Only questions come in and values go out; no right answer is ever here.
+Started by ``isolation`` with the words CHANNEL LIMITS USER, in JSON.
+Only requests come in and values go out; no right answer is ever here.
 """
 
 import importlib
 import importlib.util
 import json
-import os
 import resource
 import socket
 import sys
+from dataclasses import replace
 from pathlib import Path
+from types import ModuleType
 
 import scipy.sparse.linalg  # noqa: F401  here once, so that no student's time limit pays for it
 
-from meshfair_grading import landlock, privileges, wire
+from meshfair_grading import landlock, privileges, protocol
 from meshfair_grading.answers import Answer, Failure, ask, failure
-from meshfair_grading.rules import Refuser, Rules
-from meshfair_grading.students import broken_rules
+from meshfair_grading.rules import ImportBlocker, Rules, broken_rules
 
 # What Python and its libraries read beside their own files.
 SYSTEM = ("/usr", "/lib", "/lib64", "/bin", "/etc/ld.so.cache", "/etc/localtime", "/proc/self")
 DEVICES = ("/dev/null", "/dev/zero", "/dev/random", "/dev/urandom")
 
 
-def main(channel, limits, user):
+def main(descriptor: int, limits: dict[str, int], user: int | None) -> None:
     """Answer calls until the channel is closed.
 
     Parameters
     ----------
-    channel : int
+    descriptor : int
         File descriptor of the socket to the teacher's process.
     limits : dict of str to int
         cpu in seconds, memory and file in bytes, processes, files.
     user : int or None
         Whom to become.
     """
-    channel = socket.socket(fileno=channel)
+    channel = socket.socket(fileno=descriptor)
     confined = landlock.confine(
         [*SYSTEM, sys.prefix, sys.base_prefix, *sys.path, Path(__file__).parents[1]],
-        [*DEVICES, os.getcwd()],
+        [*DEVICES, Path.cwd()],
     )
     if user is not None:
         privileges.become(user, keep_reading=confined)
     _limit(limits)
     # Walls that hide Python from itself show here, not in a student's marks.
     importlib.import_module("colorsys")
-    wire.send(channel, {"confined": confined})
-    order = wire.receive(channel)
-    file = order["load"]
-    rules = Rules(*(tuple(order[key]) for key in ("allowed", "forbidden", "refused")))
+    protocol.send(channel, {"confined": confined})
+    request = protocol.receive(channel)
+    file = request["load"]
+    rules = Rules(*(tuple(request[key]) for key in ("allowed", "forbidden", "blocked")))
     module, failures = _load(file, rules)
-    wire.send(channel, failures)
+    protocol.send(channel, failures)
     while True:
         try:
-            order = wire.receive(channel)
+            request = protocol.receive(channel)
         except EOFError:
             return
-        function = getattr(module, order["call"], None)
+        function = getattr(module, request["call"], None)
         if callable(function):
-            wire.send(channel, ask(function, order["arguments"], file))
+            protocol.send(channel, ask(function, request["arguments"], file))
         else:
-            wire.send(channel, Answer(failure=Failure("missing", order["call"])))
+            protocol.send(channel, Answer(failure=Failure("missing", request["call"])))
 
 
-def _limit(limits):
+def _limit(limits: dict[str, int]) -> None:
     if sys.platform == "darwin":
         limits = {name: value for name, value in limits.items() if name != "memory"}  # no such one
     for name, value in limits.items():
@@ -82,7 +82,7 @@ def _limit(limits):
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def _load(file, rules):
+def _load(file: str, rules: Rules) -> tuple[ModuleType | None, dict[str, Failure]]:
     """The student's module, and why functions of it (or "" for all) cannot be asked."""
     try:
         failures = broken_rules(Path(file).read_bytes(), rules)
@@ -90,11 +90,10 @@ def _load(file, rules):
         return None, {"": _not_loaded(error, file)}
     if "" in failures:
         return None, failures
-    # Out of the cache, so that importing it again meets the refusal.
-    for name in [name for name in sys.modules if name.partition(".")[0] == "meshfair"]:
-        del sys.modules[name]
-    sys.meta_path.insert(0, Refuser(rules))
+    sys.meta_path.insert(0, ImportBlocker(rules))
     spec = importlib.util.spec_from_file_location(Path(file).stem, file)
+    assert spec is not None  # it is a path that ends in .py
+    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module
     try:
@@ -104,9 +103,8 @@ def _load(file, rules):
     return module, failures
 
 
-def _not_loaded(error, file):
-    told = failure(error, file)
-    return Failure("not loaded", told.message, told.line, told.code)
+def _not_loaded(error: BaseException, file: str) -> Failure:
+    return replace(failure(error, file), kind="not loaded")
 
 
 if __name__ == "__main__":

@@ -1,19 +1,21 @@
 """A report on a student's work: as text, as Markdown, as HTML."""
 
+from __future__ import annotations
+
 import html
 import re
-import string
 from dataclasses import dataclass, field, replace
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+from meshfair_grading.outcomes import Outcome
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+    from markupsafe import Markup
 
 MARKS = {"right": "✓", "partly": "◐", "wrong": "✗", "not done": "·"}
-COLOURS = {"right": "#1a7f37", "partly": "#9a6700", "wrong": "#cf222e", "not done": "#6e7781"}
-
-PAGE = string.Template("""<!doctype html>
-<html lang="en"><meta charset="utf-8"><title>$title</title>
-<style>body { font: 16px/1.5 system-ui, sans-serif; max-width: 48em; margin: 2em auto; }</style>
-$body
-</html>
-""")
+COLORS = {"right": "#1a7f37", "partly": "#9a6700", "wrong": "#cf222e", "not done": "#6e7781"}
 
 
 @dataclass(frozen=True)
@@ -24,35 +26,36 @@ class Report:
     """
 
     heading: str
-    outcomes: list
-    remarks: list = field(default_factory=list)
+    outcomes: list[Outcome]
+    remarks: list[str] = field(default_factory=list)
     """Sentences about the whole submission."""
     printed: str = ""
     """The beginning of what the student's code printed."""
 
     @property
-    def earned(self):
+    def earned(self) -> float:
         """Points earned."""
         return float(sum(outcome.earned for outcome in self.outcomes))
 
     @property
-    def points(self):
+    def points(self) -> float:
         """Points that there are."""
         return float(sum(outcome.points for outcome in self.outcomes))
 
     @property
-    def _score(self):
+    def score(self) -> str:
+        """Both in words."""
         return f"{self.earned:g} of {self.points:g} points"
 
-    def text(self):
+    def text(self) -> str:
         """The report in plain text, as a terminal shows it.
 
         Returns
         -------
         str
         """
-        lines = [f"{self.heading}: {self._score}", *self.remarks]
-        for _, outcomes in self._by_task():
+        lines = [f"{self.heading}: {self.score}", *self.remarks]
+        for _, outcomes in self.by_task():
             for o in outcomes:
                 lines.append(f" {MARKS[o.status]} {o.earned:g}/{o.points:g}  {o.task}: {o.title}")
                 lines += [f"          {name + ':':10}{value}" for name, value in _details(o)]
@@ -60,16 +63,16 @@ class Report:
             lines += ["Your code printed:", self.printed]
         return "\n".join(lines)
 
-    def markdown(self):
+    def markdown(self) -> str:
         """The report in Markdown.
 
         Returns
         -------
         str
         """
-        lines = [f"# {self.heading}", "", f"**{self._score}**", ""]
+        lines = [f"# {self.heading}", "", f"**{self.score}**", ""]
         lines += [f"{_quoted(remark)}\n" for remark in self.remarks]
-        for task, outcomes in self._by_task():
+        for task, outcomes in self.by_task():
             earned = sum(o.earned for o in outcomes)
             lines += [f"## `{task}`: {earned:g} of {sum(o.points for o in outcomes):g}", ""]
             for o in outcomes:
@@ -81,43 +84,37 @@ class Report:
             lines += ["## What the code printed", "", indented, ""]
         return "\n".join(lines)
 
-    def html(self):
+    def html(self) -> str:
         """The report as a part of an HTML page.
 
         Returns
         -------
         str
         """
-        parts = [f"<h3>{_escaped(self.heading)}: {self._score}</h3>"]
-        parts += [f"<p>{_escaped(remark)}</p>" for remark in self.remarks]
-        for task, outcomes in self._by_task():
-            parts.append(f"<p style='margin:.8em 0 .2em'><code>{_escaped(task)}</code></p>")
-            parts += [_html_of(outcome) for outcome in outcomes]
-        if self.printed:
-            parts.append(f"<h4>What the code printed</h4><pre>{_escaped(self.printed)}</pre>")
-        return "\n".join(parts)
+        return _templates().get_template("report.html.jinja").render(report=self)
 
-    def page(self):
+    def page(self) -> str:
         """The report as an HTML page of its own.
 
         Returns
         -------
         str
         """
-        return PAGE.substitute(title=_escaped(self.heading), body=self.html())
+        return _templates().get_template("page.html.jinja").render(report=self)
 
-    def _by_task(self):
+    def by_task(self) -> list[tuple[str, list[Outcome]]]:
+        """The tasks, each with its outcomes."""
         tasks = dict.fromkeys(outcome.task for outcome in self.outcomes)
-        return [(task, _told([o for o in self.outcomes if o.task == task])) for task in tasks]
+        return [(task, _in_one([o for o in self.outcomes if o.task == task])) for task in tasks]
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return self.text()
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         return self.html()
 
 
-def _told(outcomes):
+def _in_one(outcomes: list[Outcome]) -> list[Outcome]:
     """A task's outcomes; one for all where the task is not done."""
     if {outcome.status for outcome in outcomes} != {"not done"}:
         return outcomes
@@ -125,35 +122,40 @@ def _told(outcomes):
     return [replace(outcomes[0], title=outcomes[0].hint, points=points, hint="")]
 
 
-def _details(outcome):
-    rows = ("expected", outcome.expected), ("got", outcome.came), ("hint", outcome.hint)
+def _details(outcome: Outcome) -> list[tuple[str, str]]:
+    rows = ("expected", outcome.expected), ("got", outcome.got), ("hint", outcome.hint)
     return [(name, value) for name, value in rows if value]
 
 
-def _html_of(outcome):
-    colour = COLOURS[outcome.status]
-    rows = "".join(
-        f"<tr><td style='text-align:left'>{name}</td>"
-        f"<td style='text-align:left'>{_with_code(value)}</td></tr>"
-        for name, value in _details(outcome)
-    )
-    score = f"{MARKS[outcome.status]} {outcome.earned:g}/{outcome.points:g}"
-    return (
-        f"<div style='border-left:4px solid {colour};padding-left:.7em;margin:.3em 0'>"
-        f"<b style='color:{colour}'>{score}</b> "
-        f"{_with_code(outcome.title)}{f'<table>{rows}</table>' if rows else ''}</div>"
-    )
+@cache
+def _templates() -> Environment:
+    from jinja2 import Environment, PackageLoader
+
+    environment = Environment(
+        loader=PackageLoader("meshfair_grading"), autoescape=True, finalize=_printable,
+        trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+    environment.filters["with_code"] = _with_code
+    environment.globals.update(colors=COLORS, marks=MARKS, details=_details)
+    return environment
 
 
-def _escaped(text):
-    return html.escape("".join(c for c in text if c.isprintable() or c in "\n\t"))
+def _printable(value: Any) -> Any:
+    """A text without characters that could change how the rest is shown."""
+    if type(value) is not str:  # what is marked as HTML has been through here
+        return value
+    return "".join(c for c in value if c.isprintable() or c in "\n\t")
 
 
-def _with_code(text):
+def _with_code(text: str) -> Markup:
     """HTML of a text in which names of functions stand between backquotes."""
-    return re.sub("`([^`]*)`", r"<code>\1</code>", _escaped(text))
+    from markupsafe import Markup
+
+    return Markup(re.sub("`([^`]*)`", r"<code>\1</code>", html.escape(_printable(text))))
 
 
-def _quoted(text):
+def _quoted(text: str) -> str:
     """Text with a student's words in it, so that it cannot be markup: one line, no HTML."""
-    return _escaped(" ".join(text.split())).replace("|", "&#124;").replace("[", "&#91;")
+    return (
+        html.escape(_printable(" ".join(text.split()))).replace("|", "&#124;").replace("[", "&#91;")
+    )

@@ -7,6 +7,7 @@ Reads ``notebooks/assignments/source/*.py`` and writes a folder for each into
 
 import argparse
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import meshfair
@@ -16,7 +17,7 @@ from meshfair_grading.source import Source
 ASSIGNMENTS = Path(meshfair.__file__).parents[2] / "notebooks" / "assignments"
 
 
-def generate(source, folder):
+def generate(source: Source, folder: str | Path) -> None:
     """Write what a student gets.
 
     Parameters
@@ -29,7 +30,7 @@ def generate(source, folder):
         _write(Path(folder) / source.name / name, text)
 
 
-def drifted(source, folder):
+def drifted(source: Source, folder: str | Path) -> list[str]:
     """Which of a student's files are not what the instructor's file makes.
 
     Parameters
@@ -42,20 +43,20 @@ def drifted(source, folder):
     list of str
         Names of files that differ or are missing.
     """
-    place = Path(folder) / source.name
+    made = Path(folder) / source.name
     return [
         f"{source.name}/{name}"
         for name, text in source.student_files().items()
-        if not (place / name).exists() or (place / name).read_text(encoding="utf-8") != text
+        if not (made / name).exists() or (made / name).read_text(encoding="utf-8") != text
     ]
 
 
-def _write(path, text):
+def _write(path: Path, text: str) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text, encoding="utf-8", newline="\n")
 
 
-def main(arguments=None):
+def main(arguments: Sequence[str] | None = None) -> int:
     """Run from the command line.
 
     Returns
@@ -63,7 +64,7 @@ def main(arguments=None):
     int
         1 where ``--check`` finds a difference.
     """
-    summary, _, rest = __doc__.partition("\n\n")
+    summary, _, rest = (__doc__ or "").partition("\n\n")
     parser = argparse.ArgumentParser(description=summary, epilog=rest)
     parser.add_argument("--assignments", type=Path, default=ASSIGNMENTS, metavar="FOLDER")
     parser.add_argument("--check", action="store_true", help="compare, write nothing")
@@ -80,8 +81,8 @@ def main(arguments=None):
         return int(bool(names))
     for source in sources:
         if options.nbgrader:
-            place = options.nbgrader / "source" / source.name / f"{source.name}.ipynb"
-            _write(place, source.nbgrader_notebook())
+            path = options.nbgrader / "source" / source.name / f"{source.name}.ipynb"
+            _write(path, source.nbgrader_notebook())
         else:
             generate(source, student)
     return 0

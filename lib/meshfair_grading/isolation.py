@@ -1,7 +1,7 @@
-"""The walls around a student's process, from the outside.
+"""A student's process, started with all the restrictions that this system has.
 
-What each wall needs is tried out once (`Isolation.detect`), and what does not
-hold on this system is told. This contains accidents; against code that means
+Each restriction is tried out once (`Isolation.detect`); `Isolation.describe` says
+which of them hold. This contains accidents; against code that means
 harm, run the grading in a container or a virtual machine that can be thrown away.
 """
 
@@ -17,14 +17,21 @@ import tempfile
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Self
 
-from meshfair_grading import wire
+from meshfair_grading import protocol
 
 NOBODY = 65534
 KEPT_OUTPUT = 4000
 # No network device but a loopback that is down; processes that die with their first one.
 NAMESPACES = ("unshare", "--net", "--ipc", "--pid", "--fork", "--kill-child")
 NUMBA = "numba"
+# Python without its environment (-I) finds this very package all the same, wherever it lies.
+START = (
+    "import runpy, sys; sys.path.insert(0, sys.argv.pop(1)); "
+    "runpy.run_module('meshfair_grading.child', run_name='__main__')"
+)
+PACKAGES = Path(__file__).parents[1]
 STARTUP = 60.0  # seconds; importing SciPy on a busy machine
 
 
@@ -55,14 +62,14 @@ class Isolation:
     """Whether the child gives up the rights of root."""
     confined: bool = False
     """Whether the child sees no files but Python's and its own folder."""
-    machine_code: Path | None = None
+    numba_cache: Path | None = None
     """A folder with what numba has compiled; each child gets a copy."""
-    rehearsal: bool = False
+    keep_compiled: bool = False
     """Whether what the child compiles goes into that folder: for trusted code only."""
 
     @classmethod
-    def detect(cls, limits=None):
-        """Try the walls out, the highest first.
+    def detect(cls, limits: Limits | None = None) -> Self:
+        """Try the restrictions out, the strongest first.
 
         Parameters
         ----------
@@ -95,8 +102,8 @@ class Isolation:
             return cls(limits, namespaces, nobody, process.confined)
         raise reason
 
-    def describe(self):
-        """What holds on this system and what does not, a line each.
+    def describe(self) -> list[str]:
+        """Say what holds on this system and what does not, a line each.
 
         Returns
         -------
@@ -124,7 +131,7 @@ class Isolation:
             f"{self.limits.processes} processes, {self.limits.files} open files",
         ]
 
-    def wrapped(self, command):
+    def wrapped(self, command: list[str]) -> list[str]:
         """The command in namespaces of its own, where the system has them."""
         if not self.namespaces:
             return command
@@ -133,7 +140,7 @@ class Isolation:
         mine = () if self.nobody else ("--user",)
         return [*NAMESPACES, *mine, *command]
 
-    def start(self, source, filename):
+    def start(self, source: bytes, filename: str) -> "Process":
         """Start a process in a fresh folder with a submission's file in it.
 
         Parameters
@@ -156,7 +163,7 @@ class Isolation:
 class Process:
     """A student's process, its folder and the channel to it."""
 
-    def __init__(self, source, filename, isolation):
+    def __init__(self, source: bytes, filename: str, isolation: Isolation) -> None:
         self._isolation = isolation
         self._folder = tempfile.TemporaryDirectory(prefix="meshfair-", ignore_cleanup_errors=True)
         self._output = tempfile.TemporaryFile()  # noqa: SIM115  closed in stop
@@ -164,8 +171,8 @@ class Process:
         folder = Path(self._folder.name)
         self.file = str(folder / filename)
         Path(self.file).write_bytes(source)
-        if isolation.machine_code:
-            shutil.copytree(isolation.machine_code, folder / NUMBA)
+        if isolation.numba_cache:
+            shutil.copytree(isolation.numba_cache, folder / NUMBA)
         if isolation.nobody:
             for path in (folder, *folder.rglob("*")):
                 os.chown(path, NOBODY, NOBODY)
@@ -179,7 +186,7 @@ class Process:
             "files": limits.files,
         }
         user = NOBODY if isolation.nobody else None
-        command = [sys.executable, "-I", "-B", "-m", "meshfair_grading.child"]
+        command = [sys.executable, "-I", "-B", "-c", START, str(PACKAGES)]
         command += [str(theirs.fileno()), json.dumps(child_limits), json.dumps(user)]
         with theirs:
             self._popen = subprocess.Popen(
@@ -193,7 +200,7 @@ class Process:
                 start_new_session=True,  # a group of its own, to be killed as one
             )
         try:
-            hello = wire.receive(self.channel, time.monotonic() + STARTUP)
+            hello = protocol.receive(self.channel, time.monotonic() + STARTUP)
         except (OSError, EOFError) as error:
             _, printed = self.stop(patience=1.0)
             raise OSError(f"the process did not start: {printed[-500:] or error!r}") from error
@@ -201,7 +208,7 @@ class Process:
         # What was printed so far is Python's, not the student's.
         self._printed_before = self._output.seek(0, os.SEEK_END)
 
-    def stop(self, patience=0.0):
+    def stop(self, patience: float = 0.0) -> tuple[int, str]:
         """Kill the process and all of its group, and remove its folder.
 
         Parameters
@@ -224,14 +231,14 @@ class Process:
         code = self._popen.wait()
         printed = os.pread(self._output.fileno(), KEPT_OUTPUT, self._printed_before)
         self._output.close()
-        compiled = Path(self._folder.name) / NUMBA
-        if self._isolation.rehearsal and compiled.exists():
-            shutil.copytree(compiled, self._isolation.machine_code, dirs_exist_ok=True)
+        compiled, cache = Path(self._folder.name) / NUMBA, self._isolation.numba_cache
+        if self._isolation.keep_compiled and cache and compiled.exists():
+            shutil.copytree(compiled, cache, dirs_exist_ok=True)
         self._folder.cleanup()
         return code, printed.decode(errors="replace")
 
 
-def _environment(folder):
+def _environment(folder: Path) -> dict[str, str]:
     """An environment without anything of the teacher's; one thread for each library."""
     threads = ("OMP", "OPENBLAS", "MKL", "NUMBA")
     # Some installations of Python find their own libraries only by this.

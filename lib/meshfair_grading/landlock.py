@@ -4,6 +4,7 @@ import ctypes
 import os
 import struct
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
 # The same on every architecture that has them (Linux 5.13 and later).
@@ -21,7 +22,7 @@ ALL_FILE_RIGHTS = 16
 TCP_BIND_AND_CONNECT = 0b11
 
 
-def confine(readable, writable):
+def confine(readable: Iterable[str | Path], writable: Iterable[str | Path]) -> bool:
     """Take from this process, for good, every file but those beneath some folders.
 
     Also takes TCP, where the kernel knows how. Open files stay open.
@@ -59,7 +60,7 @@ def confine(readable, writable):
     return True
 
 
-def _allow(libc, ruleset, path, rights):
+def _allow(libc: ctypes.CDLL, ruleset: int, path: Path, rights: int) -> None:
     parent = os.open(path, os.O_PATH | os.O_CLOEXEC)
     try:
         rights &= ~0 if path.is_dir() else OF_FILES
@@ -69,7 +70,7 @@ def _allow(libc, ruleset, path, rights):
         os.close(parent)
 
 
-def _checked(result):
+def _checked(result: int) -> int:
     if result < 0:
         raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
     return result

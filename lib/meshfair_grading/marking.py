@@ -7,21 +7,26 @@ import json
 import os
 import stat
 import tempfile
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from meshfair_grading.answers import Failure
-from meshfair_grading.assignment import Outcome
+from meshfair_grading.assignment import Assignment
 from meshfair_grading.feedback import Report
-from meshfair_grading.students import Submission
+from meshfair_grading.isolation import Isolation, Limits
+from meshfair_grading.outcomes import Outcome
+from meshfair_grading.source import Source
+from meshfair_grading.students import IsolatedStudent
 
 LARGEST_FILE = 1_000_000
 RECORDS = "records"
 
 
 @dataclass(frozen=True)
-class HandedIn:
+class Submission:
     """What was found for one student."""
 
     student: str
@@ -29,7 +34,7 @@ class HandedIn:
     remark: str = ""
 
 
-def find(folder, assignment):
+def find(folder: str | Path, assignment: str) -> list[Submission]:
     """Find the submissions in a folder.
 
     Each student has a folder named by their identity, with ``a2.py`` in it or
@@ -43,7 +48,7 @@ def find(folder, assignment):
 
     Returns
     -------
-    list of HandedIn
+    list of Submission
         Sorted by student.
 
     Raises
@@ -61,7 +66,7 @@ def find(folder, assignment):
         if entry.is_dir():
             found.append(_in_folder(entry, assignment))
         elif entry.suffix == ".py":
-            found.append(HandedIn(entry.stem, entry))
+            found.append(Submission(entry.stem, entry))
     if not found:
         raise ValueError(f"{folder} holds neither folders of students nor .py files")
     twice = {one.student for one in found if sum(o.student == one.student for o in found) > 1}
@@ -70,16 +75,16 @@ def find(folder, assignment):
     return found
 
 
-def _in_folder(folder, assignment):
+def _in_folder(folder: Path, assignment: str) -> Submission:
     name = f"{assignment}.py"
     for path in (folder / name, folder / assignment / name):
         if path.is_file():
-            return HandedIn(folder.name, path)
+            return Submission(folder.name, path)
     others = sorted(folder.glob("*.py"))
     if len(others) == 1:
         remark = f"The file is called {others[0].name}; call it {name} the next time."
-        return HandedIn(folder.name, others[0], remark)
-    return HandedIn(folder.name, None, f"There is no {name} in the folder.")
+        return Submission(folder.name, others[0], remark)
+    return Submission(folder.name, None, f"There is no {name} in the folder.")
 
 
 @dataclass(frozen=True)
@@ -87,13 +92,13 @@ class Mark:
     """One student's result."""
 
     student: str
-    outcomes: list
+    outcomes: list[Outcome]
     status: str
     """graded, or in a few words why not."""
-    remarks: list
+    remarks: list[str]
     printed: str = ""
 
-    def report(self, assignment):
+    def report(self, assignment: Assignment) -> Report:
         """The feedback for the student.
 
         Returns
@@ -104,17 +109,17 @@ class Mark:
         return Report(heading, self.outcomes, self.remarks, self.printed)
 
     @property
-    def metric(self):
+    def metric(self) -> float | None:
         """The figure for the leaderboard, or None."""
         return next((o.metric for o in self.outcomes if o.metric is not None), None)
 
 
-def mark(handed_in, assignment, isolation, seed):
+def mark(submission: Submission, assignment: Assignment, isolation: Isolation, seed: int) -> Mark:
     """Mark one submission.
 
     Parameters
     ----------
-    handed_in : HandedIn
+    submission : Submission
     assignment : meshfair_grading.assignment.Assignment
     isolation : meshfair_grading.isolation.Isolation
     seed : int
@@ -122,14 +127,14 @@ def mark(handed_in, assignment, isolation, seed):
     Returns
     -------
     Mark
-        Whatever the submission does, it is told here and costs nobody else.
+        Whatever the submission does, it is reported here and costs nobody else.
     """
-    remarks = [handed_in.remark] if handed_in.remark else []
+    remarks = [submission.remark] if submission.remark else []
     try:
-        source = _read(handed_in)
+        source = _read(submission)
     except ValueError as error:
-        return Mark(handed_in.student, _nothing(assignment), str(error), [*remarks, str(error)])
-    with Submission(source, assignment.name, assignment.rules, isolation) as student:
+        return Mark(submission.student, _nothing(assignment), str(error), [*remarks, str(error)])
+    with IsolatedStudent(source, assignment.name, assignment.rules, isolation) as student:
         outcomes = assignment.mark(student, seed)
     broken = student.whole_file
     status = "graded"
@@ -137,10 +142,10 @@ def mark(handed_in, assignment, isolation, seed):
         where = f" (line {broken.line}: {broken.code})" if broken.line else ""
         remarks.append(f"The file could not be loaded: {broken.message}{where}")
         status = _status(broken)
-    return Mark(handed_in.student, outcomes, status, remarks, student.printed)
+    return Mark(submission.student, outcomes, status, remarks, student.printed)
 
 
-def _status(broken: Failure):
+def _status(broken: Failure) -> str:
     """The kind of a failure of the whole file, in our own words: it goes into the CSV."""
     if broken.kind == "not allowed":
         return "forbidden import"
@@ -148,18 +153,18 @@ def _status(broken: Failure):
     return kinds.get(broken.message.partition(":")[0], "could not be loaded")
 
 
-def _read(handed_in):
-    if handed_in.path is None:
+def _read(submission: Submission) -> bytes:
+    if submission.path is None:
         raise ValueError("nothing handed in")
-    status = os.lstat(handed_in.path)
+    status = os.lstat(submission.path)
     if not stat.S_ISREG(status.st_mode):
         raise ValueError("not a regular file")
     if status.st_size > LARGEST_FILE:
         raise ValueError(f"a file of more than {LARGEST_FILE / 1e6:g} MB")
-    return handed_in.path.read_bytes()
+    return submission.path.read_bytes()
 
 
-def _nothing(assignment):
+def _nothing(assignment: Assignment) -> list[Outcome]:
     return [Outcome(c.task, c.title, c.points, 0.0, "wrong") for c in assignment.checks]
 
 
@@ -173,13 +178,13 @@ class Gradebook:
     assignment : meshfair_grading.assignment.Assignment
     """
 
-    def __init__(self, out, assignment):
+    def __init__(self, out: str | Path, assignment: Assignment) -> None:
         self.out = Path(out)
         self.feedback = self.out.with_name(f"{self.out.stem}_feedback")
         self.assignment = assignment
         (self.feedback / RECORDS).mkdir(parents=True, exist_ok=True)
 
-    def known(self, student, key):
+    def known(self, student: str, key: str) -> Mark | None:
         """The mark of an earlier run, or None where something has changed since.
 
         Parameters
@@ -201,7 +206,7 @@ class Gradebook:
         except (OSError, ValueError, KeyError, TypeError):
             return None
 
-    def add(self, mark, key):
+    def add(self, mark: Mark, key: str) -> None:
         """Keep a mark: the feedback first, then the record, which makes it final."""
         report = mark.report(self.assignment)
         write(self.feedback / f"{mark.student}.html", report.page())
@@ -209,7 +214,7 @@ class Gradebook:
         record = json.dumps({**asdict(mark), "key": key}, indent=1)
         write(self._record(mark.student), record)
 
-    def write_tables(self, marks):
+    def write_tables(self, marks: Sequence[Mark]) -> None:
         """Write the CSV, and the leaderboard where the assignment has one.
 
         Parameters
@@ -232,23 +237,26 @@ class Gradebook:
         if metric:
             write(self.feedback / "leaderboard.md", _leaderboard(self.assignment, marks))
 
-    def _record(self, student):
+    def _record(self, student: str) -> Path:
         return self.feedback / RECORDS / f"{student}.json"
 
 
-def _sum(outcomes):
+def _sum(outcomes: Iterable[Outcome]) -> str:
     return f"{sum(outcome.earned for outcome in outcomes):g}"
 
 
-def _leaderboard(assignment, marks):
-    ranked = sorted((m for m in marks if m.metric is not None), key=lambda m: -m.metric)
-    rows = [f"| {place} | {m.student} | {m.metric:.2f} |" for place, m in enumerate(ranked, 1)]
+def _leaderboard(assignment: Assignment, marks: Sequence[Mark]) -> str:
+    ranked = sorted((-m.metric, m.student) for m in marks if m.metric is not None)
+    rows = [
+        f"| {rank} | {student} | {-negative:.2f} |"
+        for rank, (negative, student) in enumerate(ranked, 1)
+    ]
     head = [f"# {assignment.title}: leaderboard", "", "| | student | dB |", "|---|---|---|"]
     return "\n".join([*head, *rows]) + "\n"
 
 
-def write(path, text):
-    """Write a file so that after any fault the old one or the new one is whole."""
+def write(path: Path, text: str) -> None:
+    """Write a file so that after any error the old one or the new one is whole."""
     with tempfile.NamedTemporaryFile(
         "w", dir=path.parent, prefix=f".{path.name}.", delete=False, encoding="utf-8", newline=""
     ) as file:
@@ -263,7 +271,16 @@ def write(path, text):
             raise
 
 
-def grade(folder, source, out, isolation, *, seed=None, jobs=2, progress=None):
+def grade(
+    folder: str | Path,
+    source: Source,
+    out: str | Path,
+    isolation: Isolation,
+    *,
+    seed: int | None = None,
+    jobs: int = 2,
+    progress: Callable[..., Iterable[Mark]] | None = None,
+) -> list[Mark]:
     """Mark all submissions of a folder; one that has its mark already is not run again.
 
     Parameters
@@ -300,19 +317,20 @@ def grade(folder, source, out, isolation, *, seed=None, jobs=2, progress=None):
     waiting = [s for s in submissions if marks[s.student] is None]
     try:
         if waiting:
-            with tempfile.TemporaryDirectory(prefix="meshfair-") as folder:
-                isolation = replace(isolation, machine_code=Path(folder))
-                rehearse(source, assignment, isolation, seed)
+            with tempfile.TemporaryDirectory(prefix="meshfair-") as cache:
+                isolation = replace(isolation, numba_cache=Path(cache))
+                dry_run(source, assignment, isolation, seed)
                 found = _in_parallel(jobs, waiting, assignment, isolation, seed)
                 for one in progress(found, total=len(waiting)) if progress else found:
                     book.add(one, keys[one.student])
                     marks[one.student] = one
     finally:  # after an interruption too: the table of those who have a mark
-        book.write_tables([one for one in marks.values() if one is not None])
-    return list(marks.values())
+        marked = [one for one in marks.values() if one is not None]
+        book.write_tables(marked)
+    return marked
 
 
-def _in_parallel(jobs, submissions, *arguments):
+def _in_parallel(jobs: int, submissions: list[Submission], *arguments: Any) -> Iterator[Mark]:
     """The marks of submissions, as they come."""
     pool = ThreadPoolExecutor(jobs)  # threads that wait for processes
     try:
@@ -322,10 +340,10 @@ def _in_parallel(jobs, submissions, *arguments):
         pool.shutdown(cancel_futures=True)
 
 
-def rehearse(source, assignment, isolation, seed):
+def dry_run(source: Source, assignment: Assignment, isolation: Isolation, seed: int) -> None:
     """Mark the solution, to be sure of the checks before they decide on anybody.
 
-    What numba compiles for it stays in ``isolation.machine_code``, so that no
+    What numba compiles for it stays in ``isolation.numba_cache``, so that no
     submission pays for that with its time.
 
     Parameters
@@ -344,8 +362,8 @@ def rehearse(source, assignment, isolation, seed):
     # Compiling takes its time on a busy machine, and this code can be trusted.
     limits = isolation.limits
     patient = replace(limits, call=10 * limits.call, total=10 * limits.total)
-    isolation = replace(isolation, limits=patient, rehearsal=True)
-    with Submission(solution, assignment.name, assignment.rules, isolation) as student:
+    isolation = replace(isolation, limits=patient, keep_compiled=True)
+    with IsolatedStudent(solution, assignment.name, assignment.rules, isolation) as student:
         report = Report("The solution", assignment.mark(student, seed))
     if report.earned < report.points:
         raise ValueError(
@@ -354,11 +372,11 @@ def rehearse(source, assignment, isolation, seed):
         )
 
 
-def _key(handed_in, source, seed, limits):
+def _key(submission: Submission, source: Source, seed: int, limits: Limits) -> str:
     """Fingerprint of all that a mark depends on."""
     try:
-        content = _read(handed_in)
+        content = _read(submission)
     except ValueError as error:
         content = str(error).encode()
-    told = repr((source.digest, seed, limits, handed_in.remark)).encode()
-    return hashlib.sha256(told + content).hexdigest()
+    state = repr((source.digest, seed, limits, submission.remark)).encode()
+    return hashlib.sha256(state + content).hexdigest()

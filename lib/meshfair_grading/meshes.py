@@ -2,11 +2,12 @@
 
 import numpy as np
 
+from meshfair.checks import Floats, Integers
 from meshfair.noise import gaussian
 from meshfair.shapes import icosphere, torus
 
 
-def unseen(seed, *, ring=False, opened=False):
+def unseen(seed: int, *, ring: bool = False, opened: bool = False) -> tuple[Floats, Integers]:
     """A small random mesh: stretched, bent, rough, turned, moved, its vertices shuffled.
 
     Some of its triangles are obtuse, so that some cotangent weights are
@@ -39,7 +40,9 @@ def unseen(seed, *, ring=False, opened=False):
     return disguised(V, F, rng)[:2]
 
 
-def disguised(V, F, rng):
+def disguised(
+    V: Floats, F: Integers, rng: np.random.Generator
+) -> tuple[Floats, Integers, Integers]:
     """The same surface elsewhere in space, with vertices and faces in another order.
 
     Parameters
@@ -59,8 +62,8 @@ def disguised(V, F, rng):
     Q = Q * np.sign(np.diag(R))
     Q[:, 0] *= np.linalg.det(Q)  # a rotation: the faces stay outward
     order = rng.permutation(len(V))
-    place = np.argsort(order)
-    F = place[F[rng.permutation(len(F))]]
+    new_index = np.argsort(order)
+    F = new_index[F[rng.permutation(len(F))]]
     corner = (np.arange(3) + rng.integers(3, size=(len(F), 1))) % 3
     V = (V @ Q.T + rng.uniform(-3, 3, 3))[order]
     return V, np.take_along_axis(F, corner, axis=1), order

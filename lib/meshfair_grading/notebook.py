@@ -6,9 +6,13 @@ is not done yet end with one line instead of a traceback.
 
 import io
 import traceback
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from types import TracebackType
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from meshfair.viewer import Camera, render
 
@@ -21,11 +25,20 @@ class Picture:
 
     png: bytes = field(repr=False)
 
-    def _repr_png_(self):
+    def _repr_png_(self) -> bytes:
         return self.png
 
 
-def show(meshes, F, *, direction=(1, -1.6, 0.7), values=None, label="", limits=None, edges=False):
+def show(
+    meshes: Mapping[str, ArrayLike],
+    F: ArrayLike,
+    *,
+    direction: Sequence[float] = (1, -1.6, 0.7),
+    values: Mapping[str, ArrayLike] | None = None,
+    label: str = "",
+    limits: tuple[float, float] | None = None,
+    edges: bool = False,
+) -> Picture:
     """Draw meshes with the same faces side by side, from one camera.
 
     Parameters
@@ -55,18 +68,18 @@ def show(meshes, F, *, direction=(1, -1.6, 0.7), values=None, label="", limits=N
     values = values or {}
     if values and limits is None:
         everything = np.concatenate([np.ravel(v) for v in values.values()])
-        limits = (float(everything.min()), float(everything.max()))
+        limits = float(everything.min()), float(everything.max())
     camera = Camera.around(next(iter(meshes.values())), direction, aspect=SIZE[0] / SIZE[1])
     figure = Figure(figsize=(4.2 * len(meshes), 3.9), layout="constrained")
-    for place, (title, V) in enumerate(meshes.items(), 1):
-        axes = figure.add_subplot(1, len(meshes), place, title=title)
+    for position, (title, V) in enumerate(meshes.items(), 1):
+        axes = figure.add_subplot(1, len(meshes), position, title=title)
         axes.axis("off")
         axes.imshow(
             render(
                 V, F, camera, size=SIZE, values=values.get(title), limits=limits, edges=edges
             )
         )  # fmt: skip
-    if values:
+    if values and limits:
         scale = ScalarMappable(Normalize(*limits), "viridis")
         figure.colorbar(scale, ax=figure.axes, label=label, shrink=0.8)
     file = io.BytesIO()
@@ -74,11 +87,17 @@ def show(meshes, F, *, direction=(1, -1.6, 0.7), values=None, label="", limits=N
     return Picture(file.getvalue())
 
 
-def load_ipython_extension(shell):
+def load_ipython_extension(shell: Any) -> None:
     """Called by IPython's ``%load_ext``."""
-    shell.set_custom_exc((NotImplementedError,), _tell_what_is_not_done)
+    shell.set_custom_exc((NotImplementedError,), _say_what_is_not_done)
 
 
-def _tell_what_is_not_done(shell, kind, error, trace, tb_offset=None):
+def _say_what_is_not_done(
+    shell: Any,
+    kind: type[BaseException],
+    error: BaseException,
+    trace: TracebackType,
+    tb_offset: int | None = None,
+) -> None:
     stub = traceback.extract_tb(trace)[-1]
     print(f"`{stub.name}` is not done yet ({stub.filename}, line {stub.lineno})")

@@ -9,7 +9,7 @@ CAPABILITY_VERSION = 0x20080522
 CAP_DAC_READ_SEARCH = 1 << 2
 
 
-def become(user, *, keep_reading):
+def become(user: int, *, keep_reading: bool) -> None:
     """Turn a process of root into one of another user, for good.
 
     Parameters

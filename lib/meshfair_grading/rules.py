@@ -1,12 +1,16 @@
 """Which imports and calls an assignment allows, read from the source without running it.
 
 This finds honest mistakes and names their lines. The modules that hold the
-answers are refused in the student's process as well, see `Refuser`.
+answers are blocked in the student's process as well, see `ImportBlocker`.
 """
 
 import ast
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from importlib.abc import MetaPathFinder
+from types import ModuleType
+
+from meshfair_grading.answers import Failure
 
 ALWAYS_ALLOWED = (
     "__future__", "collections", "copy", "dataclasses", "enum", "functools", "itertools", "math",
@@ -23,11 +27,11 @@ MESH_LIBRARIES = (
 class Rules:
     """What a submission may use."""
 
-    allowed: tuple = ("numpy", "scipy")
+    allowed: tuple[str, ...] = ("numpy", "scipy")
     """Modules that may be imported, beside a few of the standard library."""
-    forbidden: tuple = ()
+    forbidden: tuple[str, ...] = ()
     """Names that may not be called or used, such as ``inv``."""
-    refused: tuple = ("meshfair",)
+    blocked: tuple[str, ...] = ("meshfair",)
     """Modules that the student's process cannot import, beside all mesh libraries."""
 
 
@@ -41,7 +45,7 @@ class Violation:
     what: str
 
 
-def violations(source, rules):
+def violations(source: str | bytes, rules: Rules) -> list[Violation]:
     """Lines of a source file that break the rules.
 
     Parameters
@@ -61,16 +65,16 @@ def violations(source, rules):
     """
     found = []
     for statement in ast.parse(source).body:
-        is_function = isinstance(statement, (ast.FunctionDef, ast.AsyncFunctionDef))
-        function = statement.name if is_function else ""
+        function = ""
+        if isinstance(statement, ast.FunctionDef | ast.AsyncFunctionDef):
+            function = statement.name
         for node in ast.walk(statement):
-            what = _forbidden(node, rules)
-            if what:
+            if isinstance(node, ast.stmt | ast.expr) and (what := _forbidden(node, rules)):
                 found.append(Violation(function, node.lineno, what))
     return found
 
 
-def _forbidden(node, rules):
+def _forbidden(node: ast.AST, rules: Rules) -> str:
     match node:
         case ast.Import(names=names):
             modules = [alias.name for alias in names]
@@ -87,23 +91,47 @@ def _forbidden(node, rules):
     return f"the import of {(outside + called)[0]}" if outside or called else ""
 
 
-def within(module, packages):
+def broken_rules(source: str | bytes, rules: Rules) -> dict[str, Failure]:
+    """The failures of functions in which a source file breaks the rules.
+
+    Parameters
+    ----------
+    source : str or bytes
+    rules : Rules
+
+    Returns
+    -------
+    dict of str to Failure
+        By function; the key "" is for the whole file.
+    """
+    lines = source.decode().splitlines() if isinstance(source, bytes) else source.splitlines()
+    return {
+        found.function: Failure(
+            "not allowed", found.what, found.line, lines[found.line - 1].strip()
+        )
+        for found in reversed(violations(source, rules))  # so that the first one stays
+    }
+
+
+def within(module: str, packages: Iterable[str]) -> bool:
     """Whether a dotted name is one of the packages or lies in one."""
     return any(module == package or module.startswith(f"{package}.") for package in packages)
 
 
-class Refuser(MetaPathFinder):
-    """Import hook that refuses the modules which hold the answers.
+class ImportBlocker(MetaPathFinder):
+    """Import hook that blocks the modules which hold the answers.
 
     Parameters
     ----------
     rules : Rules
     """
 
-    def __init__(self, rules):
-        self.refused = (*rules.refused, *MESH_LIBRARIES)
+    def __init__(self, rules: Rules) -> None:
+        self.blocked = (*rules.blocked, *MESH_LIBRARIES)
 
-    def find_spec(self, fullname, path=None, target=None):
-        """Raise for a refused module; leave every other to the usual finders."""
-        if within(fullname, self.refused):
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> None:
+        """Raise for a blocked module; leave every other to the usual finders."""
+        if within(fullname, self.blocked):
             raise ImportError(f"{fullname} is not available to submissions of this assignment")

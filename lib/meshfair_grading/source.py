@@ -1,6 +1,6 @@
 """An instructor's file, and the files for students that are made from it.
 
-The file is Python in the percent format (jupytext's): cells that begin with a
+The file is Python in jupytext's percent format: cells that begin with a
 line ``# %%``. A word after it says where the cell goes:
 
 ================  ===========================================================
@@ -17,15 +17,24 @@ and ``### END HIDDEN TESTS`` is left out. ``module`` and ``checks`` cells run
 when the file is loaded for grading, the others only in the notebook.
 """
 
+from __future__ import annotations
+
 import hashlib
-import json
 import re
 import types
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from nbformat import NotebookNode
+
+    from meshfair_grading.assignment import Assignment
 
 KINDS = ("[markdown]", "", "result", "module", "checks")
-HEAD = re.compile(r"^# %%[ ]*(.*?)[ ]*$")
+HEAD = re.compile(r"^# %%", re.M)
 SOLUTION = re.compile(r"^([ ]*)### BEGIN SOLUTION\n.*?^[ ]*### END SOLUTION\n", re.M | re.S)
 HIDDEN = re.compile(
     r"^\n?[ ]*### BEGIN HIDDEN TESTS\n.*?^[ ]*### END HIDDEN TESTS\n", re.M | re.S
@@ -56,12 +65,12 @@ class Source:
     name: str
     """Such as ``a2``."""
     path: Path
-    cells: tuple
+    cells: tuple[Cell, ...]
     digest: str
     """Fingerprint of the file's bytes."""
 
     @classmethod
-    def read(cls, path):
+    def read(cls, path: str | PathLike[str]) -> Source:
         """Read an instructor's file.
 
         Parameters
@@ -87,17 +96,33 @@ class Source:
                 )
         return cls(path.stem, path, cells, hashlib.sha256(data).hexdigest())
 
-    def load(self):
+    def load(self) -> Assignment:
         """Run the checks, hidden ones included.
 
         Returns
         -------
         meshfair_grading.assignment.Assignment
             The object that the checks call ``check``.
-        """
-        return self._run("checks", f"{self.name}_checks").check
 
-    def solution(self):
+        Raises
+        ------
+        ValueError
+            They make none.
+        """
+        module = types.ModuleType(f"{self.name}_checks")
+        module.__file__ = str(self.path)
+        for cell in self.cells:
+            if cell.kind == "checks":  # with the file's own line numbers
+                code = "\n" * (cell.line - 1) + cell.text
+                exec(compile(code, str(self.path), "exec"), module.__dict__)
+        check: Assignment | None = getattr(module, "check", None)
+        if check is None:
+            raise ValueError(
+                f"{self.path} is no instructor's file: no cell '# %% checks' makes a `check`"
+            )
+        return check
+
+    def solution(self) -> str:
         """The student's file as the instructor would hand it in.
 
         Returns
@@ -106,7 +131,7 @@ class Source:
         """
         return self._text("module", _without_markers)
 
-    def stub(self):
+    def stub(self) -> str:
         """The student's file as it is handed out.
 
         Returns
@@ -115,7 +140,7 @@ class Source:
         """
         return self._text("module", _released)
 
-    def student_files(self):
+    def student_files(self) -> dict[str, str]:
         """All that a student gets.
 
         Returns
@@ -132,7 +157,7 @@ class Source:
             f"{self.name}_checks.py": self._text("checks", _released),
         }
 
-    def nbgrader_notebook(self):
+    def nbgrader_notebook(self) -> str:
         """The file as a source notebook of nbgrader: everything in its cells.
 
         Students then write into the notebook, not into a file of their own;
@@ -143,32 +168,27 @@ class Source:
         str
         """
         points = self.load().tasks
-        cells = [self._nbgrader_cell(place, cell, points) for place, cell in enumerate(self.cells)]
+        cells = [self._nbgrader_cell(i, cell, points) for i, cell in enumerate(self.cells)]
         return _notebook(cells)
 
-    def _text(self, kind, change):
+    def _text(self, kind: str, change: Callable[[str], str]) -> str:
         cells = [change(cell.text).strip("\n") for cell in self.cells if cell.kind == kind]
         return "\n\n\n".join(cells) + "\n"
 
-    def _run(self, kind, name):
-        """Run the cells of a kind as a module, with the file's own line numbers."""
-        module = types.ModuleType(name)
-        module.__file__ = str(self.path)
-        for cell in self.cells:
-            if cell.kind == kind:
-                code = "\n" * (cell.line - 1) + cell.text
-                exec(compile(code, str(self.path), "exec"), module.__dict__)
-        return module
-
-    def _student_cell(self, place, cell):
+    def _student_cell(self, index: int, cell: Cell) -> NotebookNode:
         # A result cell may end with NotImplementedError; "Run All" then goes on.
         tags = {"tags": ["raises-exception"]} if cell.kind == "result" else {}
-        return _json_cell(f"{self.name}-{place:02}", cell, _notebook_text(cell), tags)
+        return _notebook_cell(f"{self.name}-{index:02}", cell, cell.text, tags)
 
-    def _nbgrader_cell(self, place, cell, points):
-        text = _notebook_text(cell)
-        grade = {"schema_version": 3, "grade": False, "solution": False, "locked": True}
-        grade |= {"task": False, "grade_id": f"{self.name}-{place:02}"}
+    def _nbgrader_cell(self, index: int, cell: Cell, points: dict[str, float]) -> NotebookNode:
+        text = cell.text.strip("\n")
+        grade: dict[str, Any] = {
+            "schema_version": 3,
+            "grade": False,
+            "solution": False,
+            "locked": True,
+        }
+        grade |= {"task": False, "grade_id": f"{self.name}-{index:02}"}
         if cell.kind == "module":
             to_fill_in = bool(SOLUTION.search(cell.text))
             grade |= {"solution": to_fill_in, "locked": not to_fill_in}
@@ -182,61 +202,49 @@ class Source:
                 text += "\n" + " + ".join(f'check.points("{task}")' for task in tasks)
         else:
             text = _standing_alone(text, self.name)
-        return _json_cell(grade["grade_id"], cell, text, {"nbgrader": grade})
+        return _notebook_cell(grade["grade_id"], cell, text, {"nbgrader": grade})
 
 
-def _cells(text, path):
-    kind, start, lines = None, 0, []
-    for number, line in enumerate([*text.splitlines(), "# %% end"], 1):
-        head = HEAD.match(line)
-        if not head:
-            lines.append(line)
-            continue
-        if kind is not None:
-            yield Cell(kind, "\n".join(lines).strip("\n") + "\n", start)
-        kind, start, lines = head[1], number + 1, []
-        if kind not in (*KINDS, "end"):
-            raise ValueError(f"{path}, line {number}: no cell kind {kind!r}; known: {KINDS}")
+def _cells(text: str, path: Path) -> Iterator[Cell]:
+    """The cells as jupytext reads them, with comments as Markdown and magics, and their lines."""
+    import jupytext  # a third of a second to load, which the other modules need not
+
+    heads = [text.count("\n", 0, head.start()) + 2 for head in HEAD.finditer(text)]
+    first = HEAD.search(text)
+    notebook = jupytext.reads(text[first.start() :] if first else "", fmt="py:percent")
+    for cell, line in zip(notebook.cells, heads, strict=True):
+        kind = "[markdown]" if cell.cell_type == "markdown" else cell.metadata.get("title", "")
+        if kind not in KINDS:
+            raise ValueError(f"{path}, line {line - 1}: no cell kind {kind!r}; known: {KINDS}")
+        yield Cell(kind, cell.source.strip("\n") + "\n", line)
 
 
-def _released(text):
+def _released(text: str) -> str:
     """Text without solutions and hidden tests."""
     return HIDDEN.sub("", SOLUTION.sub(r"\1raise NotImplementedError\n", text))
 
 
-def _without_markers(text):
+def _without_markers(text: str) -> str:
     return "".join(line for line in text.splitlines(True) if not MARKER.search(line))
 
 
-def _notebook_text(cell):
-    """A cell's text as it stands in a notebook: comments become Markdown and magics."""
-    if cell.kind == "[markdown]":
-        return "\n".join(
-            line.removeprefix("#").removeprefix(" ") for line in cell.text.splitlines()
-        )
-    return re.sub(r"^# %(?=\w)", "%", cell.text, flags=re.M).strip("\n")
-
-
-def _standing_alone(text, name):
+def _standing_alone(text: str, name: str) -> str:
     """Notebook code for functions of the notebook itself instead of a module's."""
     imports = rf"^(import {name}|from {name}_checks import .*|%(load_ext|autoreload).*)\n?"
     return re.sub(rf"\b{name}\.(?=\w)", "", re.sub(imports, "", text, flags=re.M)).strip("\n")
 
 
-def _json_cell(identifier, cell, text, metadata):
-    lines = text.splitlines(True)
-    if cell.kind == "[markdown]":
-        return {"cell_type": "markdown", "id": identifier, "metadata": metadata, "source": lines}
-    return {
-        "cell_type": "code",
-        "execution_count": None,
-        "id": identifier,
-        "metadata": metadata,
-        "outputs": [],
-        "source": lines,
-    }
+def _notebook_cell(
+    identifier: str, cell: Cell, text: str, metadata: dict[str, Any]
+) -> NotebookNode:
+    from nbformat.v4 import new_code_cell, new_markdown_cell
+
+    new = new_markdown_cell if cell.kind == "[markdown]" else new_code_cell
+    return new(text.strip("\n"), id=identifier, metadata=metadata)
 
 
-def _notebook(cells):
-    content = {"cells": cells, "metadata": METADATA, "nbformat": 4, "nbformat_minor": 5}
-    return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+def _notebook(cells: Iterable[NotebookNode]) -> str:
+    import nbformat
+    from nbformat.v4 import new_notebook
+
+    return nbformat.writes(new_notebook(cells=list(cells), metadata=METADATA)) + "\n"

@@ -1,6 +1,6 @@
 """A student's functions as the checks see them: ``student.edges(F)`` asks for an answer.
 
-`NotebookStudent` asks the module that the notebook has imported. `Submission`
+`NotebookStudent` asks the module that the notebook has imported. `IsolatedStudent`
 asks a process with limits, and starts another one when it has died.
 """
 
@@ -9,12 +9,16 @@ import signal
 import sys
 import time
 import traceback
+from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType, TracebackType
+from typing import Any, Self
 
-from meshfair_grading import wire
+from meshfair_grading import protocol
 from meshfair_grading.answers import Answer, Failure, ask, failure
 from meshfair_grading.expect import WrongAnswerError
-from meshfair_grading.rules import violations
+from meshfair_grading.isolation import Isolation, Process
+from meshfair_grading.rules import Rules, broken_rules
 
 
 class NotDoneError(Exception):
@@ -24,24 +28,24 @@ class NotDoneError(Exception):
 class Student:
     """Base of both: turns answers into values, and failures into `WrongAnswerError`."""
 
-    def __init__(self):
-        self.changed = []
-        """Function and place of each argument that the current check's calls changed."""
-        self._answers = {}
+    def __init__(self) -> None:
+        self.changed: list[tuple[str, int]] = []
+        """Function and index of each argument that the current check's calls changed."""
+        self._answers: dict[tuple[Any, ...], tuple[tuple[Any, ...], Answer]] = {}
 
-    def _ask(self, name, arguments):
+    def _ask(self, name: str, arguments: tuple[Any, ...]) -> Answer:
         raise NotImplementedError
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> Callable[..., Any]:
         if name.startswith("_"):
             raise AttributeError(name)
 
-        def call(*arguments):
+        def call(*arguments: Any) -> Any:
             return self._value(name, arguments, self._ask(name, arguments))
 
         return call
 
-    def once(self, name, *arguments):
+    def once(self, name: str, *arguments: Any) -> Any:
         """A function's value, asked for only the first time: for slow functions.
 
         Parameters
@@ -56,24 +60,24 @@ class Student:
             self._answers[key] = arguments, self._ask(name, arguments)
         return self._value(name, *self._answers[key])
 
-    def _value(self, name, arguments, answer):
+    def _value(self, name: str, arguments: tuple[Any, ...], answer: Answer) -> Any:
         if answer.failure is not None:
             raise _explained(name, answer.failure)
         if answer.value is None:
             raise WrongAnswerError(
                 f"`{name}` returns nothing: is the `return` missing?",
                 expected="a value",
-                came="None",
+                got="None",
             )
-        self.changed += [(name, place) for place in answer.changed if place < len(arguments)]
+        self.changed += [(name, index) for index in answer.changed if index < len(arguments)]
         return answer.value
 
 
-def _explained(name, failure):
+def _explained(name: str, failure: Failure) -> Exception:
     """The exception that a check ends with when there is no value."""
     if failure.kind == "not done":
         return NotDoneError(f"`{name}` is not done yet")
-    came = f"line {failure.line}: {failure.code}" if failure.line else failure.kind
+    got = f"line {failure.line}: {failure.code}" if failure.line else failure.kind
     openings = {
         "missing": f"There is no function `{name}`: keep the names of the stub.",
         "raised": f"`{name}` ended with {failure.message}",
@@ -83,30 +87,8 @@ def _explained(name, failure):
         "crashed": f"`{name}` {failure.message}",
     }
     return WrongAnswerError(
-        openings.get(failure.kind, failure.message), expected="a value", came=came
+        openings.get(failure.kind, failure.message), expected="a value", got=got
     )
-
-
-def broken_rules(source, rules):
-    """The failures of functions in which a source file breaks the rules.
-
-    Parameters
-    ----------
-    source : str or bytes
-    rules : meshfair_grading.rules.Rules
-
-    Returns
-    -------
-    dict of str to Failure
-        By function; the key "" is for the whole file.
-    """
-    lines = source.decode().splitlines() if isinstance(source, bytes) else source.splitlines()
-    return {
-        found.function: Failure(
-            "not allowed", found.what, found.line, lines[found.line - 1].strip()
-        )
-        for found in reversed(violations(source, rules))  # so that the first one stays
-    }
 
 
 class NotebookStudent(Student):
@@ -119,9 +101,11 @@ class NotebookStudent(Student):
     rules : meshfair_grading.rules.Rules
     """
 
-    def __init__(self, module, rules):
+    def __init__(self, module: str, rules: Rules) -> None:
         super().__init__()
-        self._failures = {}
+        self._failures: dict[str, Failure] = {}
+        self._module: ModuleType | None = None
+        self._file = ""
         try:
             self._module = sys.modules.get(module) or importlib.import_module(module)
             self._file = getattr(self._module, "__file__", None) or ""
@@ -129,11 +113,10 @@ class NotebookStudent(Student):
                 self._failures = broken_rules(Path(self._file).read_bytes(), rules)
         except Exception as error:  # whatever the student's module raises
             self._module, self._file = None, ""
-            told = failure(error, "")
-            line = traceback.extract_tb(error.__traceback__)[-1]
-            self._failures = {"": Failure("not loaded", told.message, line.lineno or 0)}
+            line = traceback.extract_tb(error.__traceback__)[-1].lineno or 0
+            self._failures = {"": Failure("not loaded", failure(error, "").message, line)}
 
-    def _ask(self, name, arguments):
+    def _ask(self, name: str, arguments: tuple[Any, ...]) -> Answer:
         broken = self._failures.get("") or self._failures.get(name)
         if broken:
             return Answer(failure=broken)
@@ -143,7 +126,7 @@ class NotebookStudent(Student):
         return ask(function, arguments, self._file)
 
 
-class Submission(Student):
+class IsolatedStudent(Student):
     """The functions of a file that was handed in, in a process of their own.
 
     Parameters
@@ -161,87 +144,89 @@ class Submission(Student):
         The beginning of what the code printed.
     """
 
-    def __init__(self, source, assignment, rules, isolation):
+    def __init__(self, source: bytes, assignment: str, rules: Rules, isolation: Isolation) -> None:
         super().__init__()
         self.printed = ""
         self._source, self._assignment = source, assignment
         self._rules, self._isolation = rules, isolation
         self._left = isolation.limits.total
-        self._process = None
-        self._failures = {}
+        self._process: Process | None = None
+        self._failures: dict[str, Failure] = {}
 
-    def __enter__(self):
+    def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, *exception):
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         self._stop()
 
     @property
-    def whole_file(self):
+    def whole_file(self) -> Failure | None:
         """Why no function could be asked at all, or None."""
         return self._failures.get("")
 
-    def _ask(self, name, arguments):
+    def _ask(self, name: str, arguments: tuple[Any, ...]) -> Answer:
         if self._process is None and "" not in self._failures:
             self._start()
         broken = self._failures.get("") or self._failures.get(name)
         if broken:
             return Answer(failure=broken)
-        answer, died = self._exchange({"call": name, "arguments": list(arguments)})
-        if not died and not isinstance(answer, Answer):
-            answer, died = Answer(failure=Failure("crashed", "sent rubbish")), True
-        if died:
-            # The same call would end the same way; the other functions get a new process.
-            self._failures[name] = answer.failure
-        return answer
+        reply, lost = self._exchange({"call": name, "arguments": list(arguments)})
+        if isinstance(reply, Answer):
+            return reply
+        # The same call would end the same way; the other functions get a new process.
+        self._failures[name] = lost or Failure("crashed", "sent an invalid message")
+        return Answer(failure=self._failures[name])
 
-    def _start(self):
+    def _start(self) -> None:
         self._process = self._isolation.start(self._source, f"{self._assignment}.py")
-        order = {
+        request = {
             "load": self._process.file,
             "allowed": list(self._rules.allowed),
             "forbidden": list(self._rules.forbidden),
-            "refused": list(self._rules.refused),
+            "blocked": list(self._rules.blocked),
         }
-        reply, died = self._exchange(order)
-        if died:
-            kept = reply.failure
-            message = {"time limit": f"running it took longer than {kept.message}"}
-            text = message.get(kept.kind, f"the process {kept.message}")
+        reply, lost = self._exchange(request)
+        if lost is not None:
+            slow = f"running it took longer than {lost.message}"
+            text = slow if lost.kind == "time limit" else f"the process {lost.message}"
             self._failures[""] = Failure("not loaded", text)
         elif isinstance(reply, dict):
             self._failures |= {k: v for k, v in reply.items() if isinstance(v, Failure)}
         if "" in self._failures:
             self._stop()
 
-    def _exchange(self, order):
-        """Send an order and wait for the reply: (reply, whether the process is lost)."""
+    def _exchange(self, request: dict[str, Any]) -> tuple[Any, Failure | None]:
+        """Send a request and wait for the reply: (reply, why the process is lost)."""
         limits = self._isolation.limits
-        if self._left <= 0:
+        if self._process is None or self._left <= 0:
             self._stop()
-            return Answer(failure=Failure("time limit", f"{limits.total:g} s for all")), True
+            return None, Failure("time limit", f"{limits.total:g} s for all")
         start = time.monotonic()
         deadline = start + min(limits.call, self._left)
         channel = self._process.channel
         try:
             channel.settimeout(deadline - start)
-            wire.send(channel, order)
-            return wire.receive(channel, deadline), False
+            protocol.send(channel, request)
+            return protocol.receive(channel, deadline), None
         except TimeoutError:
             self._stop()
-            return Answer(failure=Failure("time limit", f"{limits.call:g} s")), True
-        except wire.GarbledError as error:
+            return None, Failure("time limit", f"{limits.call:g} s")
+        except protocol.ProtocolError as error:
             self._stop()
-            return Answer(failure=Failure("crashed", f"disturbed its channel: {error}")), True
+            return None, Failure("crashed", f"disturbed its channel: {error}")
         except (EOFError, OSError):
             # It has closed the channel, so its end is near: its exit code tells why.
-            how = _death(self._stop(patience=2.0))
-            return Answer(failure=Failure("crashed", how)), True
+            return None, Failure("crashed", _death(self._stop(patience=2.0)))
         finally:
             # Only the student's time counts, not what the checks take in between.
             self._left -= time.monotonic() - start
 
-    def _stop(self, patience=0.0):
+    def _stop(self, patience: float = 0.0) -> int | None:
         """End the process, keep what it printed; returns its exit code."""
         if self._process is None:
             return None
@@ -251,11 +236,11 @@ class Submission(Student):
         return code
 
 
-def _death(code):
+def _death(code: int | None) -> str:
     """How a process ended, in words, from its exit code."""
     if code is None or code >= 0:
         return f"ended the process itself (exit code {code}): a function returns, it does not exit"
-    names = {
+    names: dict[int, str] = {
         signal.SIGSEGV: "crashed with a segmentation fault",
         signal.SIGABRT: "was aborted by a library",
         signal.SIGXCPU: "used up its processor time",

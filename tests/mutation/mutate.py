@@ -46,8 +46,9 @@ MODULES = ["weights", "operators", "flow", "noise", "metrics"]
 FILTERS = [f"filters/{path.stem}" for path in sorted(PACKAGE.glob("filters/[!_]*.py"))]
 # Tests of the numerical modules; which of them concern a mutant is measured.
 FILES = (
-    "checks", "denoising", "fast_equals_plain", "filters", "flow", "intrinsic", "mesh",
-    "metrics", "noise", "operators", "solve", "spectrum", "stability", "sure", "weights",
+    "checks", "denoising", "fast_equals_plain", "fast_filters", "filters", "flow", "intrinsic",
+    "mesh", "metrics", "noise", "operators", "reference", "solve", "spectrum", "stability", "sure",
+    "weights",
 )  # fmt: skip
 LEAST = 0.95
 SURVIVED, KILLED, BROKEN = 0, 1, 2
@@ -158,11 +159,12 @@ def fork(work) -> int:
 def run_tests(concerned: dict[str, float], module: str, mutant: Mutant) -> int:
     """In a child: 0 where all of these tests pass with the mutant."""
     sys.meta_path.insert(0, Planted(module, mutant))
-    own = f"test_{Path(module).name}.py"
-    first = [name for name in concerned if name.startswith(own)]
+    folder, _, name = module.rpartition("/")
+    own = f"test_{folder or name}.py"
     # The module's own tests find most: others are not even collected then.
-    for names in (first, [name for name in concerned if name not in first]):
-        if names and pytest_run(Chosen(sorted(names, key=concerned.get))):
+    first = [test for test in concerned if test.startswith(own)]
+    for tests in (first, [test for test in concerned if test not in first]):
+        if tests and pytest_run(Chosen(sorted(tests, key=concerned.get))):
             return KILLED
     return SURVIVED
 

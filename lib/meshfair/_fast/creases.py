@@ -8,7 +8,7 @@ from meshfair._fast.neighbourhoods import BLOCK, squared_distance
 
 
 def trace_lines(seeds, V, ends, bend, candidate, gap, shortest, straight):
-    """As `meshfair.filters.creases.crease_edges` does it from these seeds."""
+    """As `meshfair.filters.creases.trace_lines`, from these seeds."""
     by_vertex = np.argsort(ends.ravel(), kind="stable")
     start = np.searchsorted(ends.ravel()[by_vertex], np.arange(len(V) + 1))
     crease = np.zeros(len(ends), dtype=bool)

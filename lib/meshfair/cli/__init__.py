@@ -1,4 +1,4 @@
-"""The command ``meshfair``: one module of this package for each subcommand.
+"""The command ``meshfair``: one module for each subcommand, of this package or of another.
 
 A subcommand's module has a docstring (its help), ``add_arguments(parser)``
 and ``run(options)``, which returns the exit code. What a module needs beyond
@@ -10,12 +10,17 @@ import io
 import os
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib import import_module
+from importlib.metadata import entry_points
+from types import ModuleType
 
 from meshfair import __version__
+from meshfair.checks import NotInstalledError
 
-COMMANDS = ("info", "repair", "noise", "denoise", "compare", "grade", "doctor")
+COMMANDS = ("info", "repair", "noise", "denoise", "compare", "doctor")
+# Other packages bring further ones as entry points of this group.
+GROUP = "meshfair.commands"
 TRACEBACK_VARIABLE = "MESHFAIR_TRACEBACK"
 
 EXIT_CODES = """\
@@ -69,7 +74,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _explain(name, error)
 
 
-def _parse(arguments):
+def _modules() -> dict[str, ModuleType]:
+    """The modules of all subcommands by name."""
+    modules = {name: import_module(f"meshfair.cli.{name}") for name in COMMANDS}
+    return modules | {entry.name: entry.load() for entry in entry_points(group=GROUP)}
+
+
+def _parse(
+    arguments: Sequence[str] | None,
+) -> tuple[argparse.Namespace, Callable[[argparse.Namespace], int]]:
     """The options, and the function that runs the subcommand."""
     parser = argparse.ArgumentParser(
         prog="meshfair",
@@ -79,9 +92,9 @@ def _parse(arguments):
     )
     parser.add_argument("--version", action="version", version=f"meshfair {__version__}")
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    modules = {name: import_module(f"meshfair.cli.{name}") for name in COMMANDS}
+    modules = _modules()
     for name, module in modules.items():
-        summary, _, details = module.__doc__.partition("\n")
+        summary, _, details = (module.__doc__ or "").partition("\n")
         subparser = subparsers.add_parser(
             name,
             help=summary,
@@ -101,6 +114,9 @@ def _explain(name: str, error: Exception) -> int:
     """Say in one line what went wrong; return the exit code."""
     if isinstance(error, MemoryError):
         _report(f"{name}: not enough memory; use a smaller mesh or free some")
+        return 1
+    if isinstance(error, NotInstalledError):
+        _report(f"{name}: {error}")
         return 1
     if isinstance(error, ModuleNotFoundError) and not (error.name or "").startswith("meshfair."):
         _report(f"{name}: this needs {error.name}, which is not installed; see meshfair doctor")

@@ -8,7 +8,7 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from meshfair import denoising
-from meshfair.checks import Floats, Integers
+from meshfair.checks import Floats, Integers, needed_for
 from meshfair.experiments.meshes import load_mesh, load_noisy_mesh
 from meshfair.experiments.missiles import JET, part_errors
 from meshfair.experiments.sweep import check_finished, sweep
@@ -157,7 +157,8 @@ def quality(
     RuntimeError
         A method failed; the message says which and why.
     """
-    import pandas as pd
+    with needed_for("an experiment"):
+        import pandas as pd
 
     methods = denoising.methods() if methods is None else list(methods)
     parts = []

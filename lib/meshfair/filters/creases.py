@@ -27,8 +27,8 @@ def crease_edges(
     given one. From each, the most bent first, a line is followed to both
     sides: at each vertex along the most bent edge that goes on nearly
     straight (by more than 2.5 radians), a candidate where there is one. Other
-    edges bridge gaps: they belong to the line if it comes to a candidate, or to
-    an earlier line, within ``gap`` of them.
+    edges bridge gaps: they belong to the line if a candidate follows at most
+    ``gap`` of them, or if one of the next ``gap + 1`` ends on an earlier line.
 
     Parameters
     ----------
@@ -45,14 +45,33 @@ def crease_edges(
     ndarray of bool, shape (k,)
     """
     bend = dihedral_angles(V, H)
-    candidate = np.cos(bend) < cosine
+    return trace_lines(V, H.ends, bend, np.cos(bend) < cosine, gap, shortest)
+
+
+def trace_lines(
+    V: Floats, ends: Integers, bend: Floats, candidate: Booleans, gap: int, shortest: int
+) -> Booleans:
+    """Trace lines through these candidates, as `crease_edges` has it.
+
+    Parameters
+    ----------
+    V : ndarray of float64, shape (n, 3)
+    ends : ndarray of int64, shape (k, 2)
+        The vertices that each edge joins.
+    bend : ndarray of float64, shape (k,)
+    candidate : ndarray of bool, shape (k,)
+    gap, shortest : int
+
+    Returns
+    -------
+    ndarray of bool, shape (k,)
+    """
     seeds = np.flatnonzero(candidate)
     seeds = seeds[np.argsort(-bend[seeds], kind="stable")]
     if _fast.wanted(len(V)):
-        return _fast.creases.trace_lines(
-            seeds, V, H.ends, bend, candidate, gap, shortest, np.cos(STRAIGHT)
-        )
-    lines = _Lines(H.ends, *continuations(V, H.ends, bend, candidate), candidate, gap, shortest)
+        straight = np.cos(STRAIGHT)
+        return _fast.creases.trace_lines(seeds, V, ends, bend, candidate, gap, shortest, straight)
+    lines = _Lines(ends, *continuations(V, ends, bend, candidate), candidate, gap, shortest)
     for seed in seeds.tolist():
         lines.trace(seed)
     return np.array(lines.crease, dtype=bool)
@@ -124,7 +143,7 @@ class _Lines:
     def _follow(self, h: int) -> list[int]:
         """The edges by which the line goes on from half-edge h."""
         path: list[int] = []
-        sure = 0  # so many edges belong to the line; those after them may bridge a gap
+        sure = 0  # this many edges belong to the line; those after them may bridge a gap
         while self.head[h] not in self.reached and len(path) - sure <= self.gap:
             following = self._next(h)
             if following is None:

@@ -279,10 +279,10 @@ def volume_keeper(
         raise MeshError("keep_volume needs a closed mesh with a volume; this one has none")
 
     def rescale(X: Floats) -> Floats:
-        ratio = target / volume(X, F)
-        if ratio <= 0:
+        reached = volume(X, F)
+        if reached * target <= 0:
             raise MeshError("the step turned the mesh inside out; take a smaller one")
         centroid = X.mean(axis=0)
-        return centroid + ratio ** (1 / 3) * (X - centroid)
+        return centroid + (target / reached) ** (1 / 3) * (X - centroid)
 
     return rescale

@@ -169,7 +169,8 @@ def feature_convinced(
     sigma_normal : float
         The difference of two guidance normals from which on normals hardly mix.
     gap : int
-        So many edges that are no candidates may be bridged along a crease.
+        This many edges that are no candidates may be bridged along a crease, and
+        one more up to an earlier line.
     shortest : int
         Crease lines of fewer edges are dropped.
     """
@@ -214,11 +215,11 @@ def prefiltered(V: Floats, F: Integers, effort: Effort) -> Floats:
     ndarray of float64, shape (n, 3)
     """
     V = _last(taubin(V, F, lam=0.6, mu=-0.636, iterations=effort.taubin_iterations), V)
-    normal_iterations = effort.sun_iterations
     smooth = sun(
-        *(V, F),
+        V,
+        F,
         threshold=0.4,
-        normal_iterations=normal_iterations,
+        normal_iterations=effort.sun_iterations,
         vertex_iterations=4,
         fix_boundary=False,
     )

@@ -77,9 +77,11 @@ def sun(
     T = check_number(threshold, "threshold", -1, 1)
     R = face_rings(incidence(F, len(V)))
     fixed = _fixed_vertices(F, len(V), fixed, fix_boundary)
-    yield from _two_stages(
-        *(V, F, lambda N: sun_normals(R, N, T)), normal_iterations, vertex_iterations, fixed
-    )
+
+    def mean_normals(N: Floats) -> Floats:
+        return sun_normals(R, N, T)
+
+    yield from _two_stages(V, F, mean_normals, normal_iterations, vertex_iterations, fixed)
 
 
 def bilateral_normal(
@@ -122,10 +124,11 @@ def bilateral_normal(
     R.eliminate_zeros()
     S = spatial_weights(R, C, area, sigma_space)
     fixed = _fixed_vertices(F, len(V), fixed, fix_boundary)
-    yield from _two_stages(
-        *(V, F, lambda N: joint_bilateral(S, N, N, sigma_normal)),
-        *(normal_iterations, vertex_iterations, fixed),
-    )
+
+    def mean_normals(N: Floats) -> Floats:
+        return joint_bilateral(S, N, N, sigma_normal)
+
+    yield from _two_stages(V, F, mean_normals, normal_iterations, vertex_iterations, fixed)
 
 
 def _fixed_vertices(F: Integers, n: int, fixed: ArrayLike | None, fix_boundary: bool) -> Booleans:

@@ -61,8 +61,11 @@ def _breadth_first(A: csr_array) -> Integers:
     from scipy.sparse.csgraph import breadth_first_order  # slow to load, and seldom needed
 
     found, seen = [], np.zeros(A.shape[0], dtype=bool)
+    alone = np.diff(A.indptr) == 0
     for start in range(A.shape[0]):
-        if not seen[start]:
+        if alone[start]:
+            found.append([start])
+        elif not seen[start]:
             component = breadth_first_order(A, start, return_predecessors=False)
             seen[component] = True
             found.append(component)
@@ -86,7 +89,7 @@ def restore_order(X: ArrayLike, order: ArrayLike) -> NDArray[Any]:
     Raises
     ------
     MeshError
-        ``order`` has another length, or an entry outside 0 .. n - 1.
+        ``order`` has another length, or is no permutation of 0 .. n - 1.
     """
     X, order = np.asarray(X), np.asarray(order)
     n = len(X)
@@ -97,6 +100,8 @@ def restore_order(X: ArrayLike, order: ArrayLike) -> NDArray[Any]:
         )
     if n and not 0 <= order.min() <= order.max() < n:
         raise MeshError(f"order has an entry outside 0 .. {n - 1}; give one that reorder returned")
+    if n and np.bincount(order, minlength=n).max() > 1:
+        raise MeshError("order has an entry more than once; give one that reorder returned")
     restored = np.empty_like(X, order="C")
     restored[order] = X
     return restored

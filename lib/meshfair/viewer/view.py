@@ -18,10 +18,10 @@ from meshfair.checks import (
     check_number,
     check_values,
     check_vertices,
+    needed_for,
 )
 from meshfair.viewer.backend import Backend
 from meshfair.viewer.camera import Camera
-from meshfair.viewer.libraries import needed_for
 from meshfair.viewer.offscreen import Pixels, has_egl, render
 from meshfair.viewer.panel import Panel, Scale
 

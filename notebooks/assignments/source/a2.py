@@ -116,14 +116,14 @@ def check_symmetric(W, F):
         hint = "W is not symmetric: set w_ij and w_ji for every edge."
         if not abs(triu(W, 1)).nnz or not abs(triu(W.T, 1)).nnz:
             hint = "Only one half of W is filled: set w_ij and w_ji for every edge."
-        raise expect.WrongAnswerError(hint, expected="W = W.T", came=f"{difference:.3g} off")
+        raise expect.WrongAnswerError(hint, expected="W = W.T", got=f"{difference:.3g} off")
     diagonal = abs(W.diagonal()).max()
     expect.that(
         diagonal == 0,
         "No vertex is its own neighbour: the diagonal of W is zero. The sums d_i belong to "
         "D, not to W.",
         expected="zeros on the diagonal",
-        came=f"up to {diagonal:.3g}",
+        got=f"up to {diagonal:.3g}",
     )
     allowed = weights.combinatorial(F, W.shape[0])
     outside = abs(W - W * allowed).max()
@@ -131,7 +131,7 @@ def check_symmetric(W, F):
         outside < 1e-12,
         "W has entries where there is no edge.",
         expected="entries on the edges only",
-        came=f"another one of size {outside:.3g}",
+        got=f"another one of size {outside:.3g}",
     )
 
 
@@ -162,15 +162,15 @@ def edges(F):
 # %% checks
 def check_edges(student, F):
     """Compare the rows as a set, with hints."""
-    came = student.edges(F)
+    got = student.edges(F)
     expected = mesh.Edges(F).ends
     count = f"{len(expected)} rows (i, j), i < j"
-    E = expect.array(came, "the array of edges")
+    E = expect.array(got, "the array of edges")
     expect.that(
         E.ndim == 2 and E.shape[1] == 2,
         "An edge is a row of two vertices.",
         expected=count,
-        came=f"shape {E.shape}",
+        got=f"shape {E.shape}",
     )
     low_first = np.sort(E, axis=1)
     distinct = np.unique(low_first, axis=0)
@@ -186,7 +186,7 @@ def check_edges(student, F):
     elif complete and not np.array_equal(low_first, E):
         hint = "The edges are right, but not all rows have i < j."
     right = complete and len(E) == len(distinct) and np.array_equal(low_first, E)
-    expect.that(right, hint, expected=count, came=f"{len(E)} rows, {len(distinct)} different edges")
+    expect.that(right, hint, expected=count, got=f"{len(E)} rows, {len(distinct)} different edges")
 
 
 @check.part("edges", 2, closed_meshes)
@@ -325,8 +325,8 @@ def distance_is_right(student, V, F):
         ("These are the combinatorial weights.", on_entries(np.ones_like, W)),
         ("Only one half of W is filled: set w_ij and w_ji.", triu(W)),
     ]
-    came = expect.matrix(student.distance_weights(V, F), "W", len(V))
-    expect.close(came, W, "W", mistakes=mistakes)
+    got = expect.matrix(student.distance_weights(V, F), "W", len(V))
+    expect.close(got, W, "W", mistakes=mistakes)
 
 
 # %%
@@ -499,8 +499,8 @@ def cotangent_is_symmetric(student, V, F):
 def cotangent_up_to_a_factor(student, V, F):
     """The cotangents of the right angles, up to one common factor."""
     W = weights.cotangent(V, F)
-    came = expect.matrix(student.cotangent_weights(V, F), "W", len(V))
-    expect.proportional(came, W, "W", mistakes=cotangent_mistakes(V, F))
+    got = expect.matrix(student.cotangent_weights(V, F), "W", len(V))
+    expect.proportional(got, W, "W", mistakes=cotangent_mistakes(V, F))
 
 
 @check.part("cotangent_weights", 2, acute_meshes)
@@ -515,8 +515,8 @@ def cotangent_has_its_half(student, V, F):
         ),
         ("All weights are half the right ones: was the half taken twice?", W / 2),
     ]
-    came = expect.matrix(student.cotangent_weights(V, F), "W", len(V))
-    expect.close(came, W, "W", mistakes=[*mistakes, *cotangent_mistakes(V, F)])
+    got = expect.matrix(student.cotangent_weights(V, F), "W", len(V))
+    expect.close(got, W, "W", mistakes=[*mistakes, *cotangent_mistakes(V, F)])
 
 
 def obtuse_meshes(seed):
@@ -533,8 +533,8 @@ def obtuse_meshes(seed):
 def cotangent_of_obtuse_angles(student, V, F):
     """Obtuse angles keep their sign; boundary edges have one angle."""
     W = weights.cotangent(V, F)
-    came = expect.matrix(student.cotangent_weights(V, F), "W", len(V))
-    expect.proportional(came, W, "W", mistakes=cotangent_mistakes(V, F))
+    got = expect.matrix(student.cotangent_weights(V, F), "W", len(V))
+    expect.proportional(got, W, "W", mistakes=cotangent_mistakes(V, F))
 
 
 # %%
@@ -609,7 +609,7 @@ def averaging_has_rows_of_sum_one(student, W):
         abs(sums[worst] - 1) < 1e-9,
         hint,
         expected="1 for every row",
-        came=f"row {worst} sums to {sums[worst]:.4g}",
+        got=f"row {worst} sums to {sums[worst]:.4g}",
     )
 
 
@@ -632,8 +632,8 @@ def averaging_is_right(student, W):
             lambda: operators.averaging(on_entries(np.ones_like, W)),
         ),
     ]
-    came = expect.matrix(student.averaging(W), "the operator", W.shape[0])
-    expect.close(came, operators.averaging(W), "the operator", mistakes=mistakes)
+    got = expect.matrix(student.averaging(W), "the operator", W.shape[0])
+    expect.close(got, operators.averaging(W), "the operator", mistakes=mistakes)
 
 
 # %%

@@ -359,8 +359,8 @@ def check_stable_step(student, W):
         ("You used the smallest eigenvalue; the largest one decides.", 2 / positive),
         ("This bound holds for all meshes; on this one a larger step is stable.", 2 / 3),
     ]  # fmt: skip
-    came = student.largest_stable_step(A)
-    expect.close(came, 2 / largest, "the step", mistakes=mistakes, rtol=2e-3)
+    got = student.largest_stable_step(A)
+    expect.close(got, 2 / largest, "the step", mistakes=mistakes, rtol=2e-3)
 
 
 def regular_meshes(seed):
@@ -475,7 +475,7 @@ def two_numbers(answer):
         right_form and len(answer) == 2,
         "Two numbers are wanted: return time, snr",
         expected="time, snr",
-        came=f"{len(answer)} values" if right_form else "one value",
+        got=f"{len(answer)} values" if right_form else "one value",
     )
     return [expect.number(value, name) for value, name in zip(answer, ("time", "snr"), strict=True)]
 
@@ -534,7 +534,7 @@ def best_time_is_zero(student, V_noisy, V_true, A):
     # The sphere is a little too large: some shrinking helps, a whole step is far too much.
     time, _ = two_numbers(student.best_stopping(V_noisy, V_true, A, TAU, STEPS))
     hint = "Here every step makes it worse: the state before the first step is one to look at too."
-    expect.that(abs(time) < 1e-9, hint, expected="time 0", came=f"time {time:.4g}")
+    expect.that(abs(time) < 1e-9, hint, expected="time 0", got=f"time {time:.4g}")
 
 
 # %%

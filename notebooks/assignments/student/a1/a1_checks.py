@@ -29,7 +29,7 @@ def unit_rows(N, name):
         "The normals are not of length one: divide each row by its own length, "
         "np.linalg.norm(N, axis=1, keepdims=True).",
         expected="length 1 of every row",
-        came=f"length {length[worst]:.6g} of row {worst}",
+        got=f"length {length[worst]:.6g} of row {worst}",
     )
 
 
@@ -57,7 +57,7 @@ def added_without_repetition(V, F):
     """What N[F[:, k]] += ... gives: only the last triangle counts."""
     N = np.zeros(V.shape)
     for corner in range(3):
-        N[F[:, corner]] += mesh.area_vectors(V, F)
+        N[F[:, corner]] += mesh.face_areas(V, F)[:, None] * mesh.face_normals(V, F)
     return N / np.maximum(np.linalg.norm(N, axis=1, keepdims=True), 1e-300)
 
 
@@ -128,7 +128,7 @@ def noise_is_along_the_normals(student, V, N, eps, seed):
     """Every vertex moves along its normal."""
     moved = expect.array(student.add_noise(V, N, eps, Seeded(seed)), "V", V.shape) - V
     expect.that(
-        moved.any(), "Nothing has moved: the noise must be in what is returned.", came="no noise"
+        moved.any(), "Nothing has moved: the noise must be in what is returned.", got="no noise"
     )
     sideways = moved - (moved * N).sum(axis=1, keepdims=True) * N
     off = np.linalg.norm(sideways) / np.linalg.norm(moved)
@@ -137,7 +137,7 @@ def noise_is_along_the_normals(student, V, N, eps, seed):
         "The vertices leave their normals. Did you draw three numbers a vertex? One number R_i "
         "scales the whole normal: draw shape (n, 1).",
         expected="moves parallel to the normals",
-        came=f"{100 * off:.0f} % of the noise is sideways",
+        got=f"{100 * off:.0f} % of the noise is sideways",
     )
 
 
@@ -147,14 +147,14 @@ def noise_is_white(student, V, N, eps, seed):
     moved = expect.array(student.add_noise(V, N, eps, Seeded(seed)), "V", V.shape) - V
     R = (moved * N).sum(axis=1) / eps
     mean, deviation = R.mean(), R.std()
-    came = f"mean {mean:.3g} eps, standard deviation {deviation:.3g} eps"
+    got = f"mean {mean:.3g} eps, standard deviation {deviation:.3g} eps"
     expected = "mean 0, standard deviation eps"
     different = len(np.unique(R.round(9)))
     expect.that(
         different > 0.9 * len(R),
         "Many vertices move by the same amount: draw a number for each of them.",
         expected=f"{len(R)} different numbers",
-        came=f"{different}",
+        got=f"{different}",
     )
     hint = "The size of the noise is wrong: R ~ N(0, 1) times eps."
     if abs(mean - 0.5) < 0.1 and abs(deviation - 12**-0.5) < 0.05:
@@ -167,13 +167,13 @@ def noise_is_white(student, V, N, eps, seed):
         hint = "The noise does not depend on eps: multiply by it."
     elif abs(deviation - np.sqrt(eps)) < 0.1 * np.sqrt(eps):
         hint = "eps is the standard deviation, not the variance: no square root."
-    expect.that(abs(mean) < 0.1 and abs(deviation - 1) < 0.1, hint, expected=expected, came=came)
+    expect.that(abs(mean) < 0.1 and abs(deviation - 1) < 0.1, hint, expected=expected, got=got)
     kurtosis = ((R - mean) ** 4).mean() / deviation**4
     expect.that(
         abs(kurtosis - 3) < 0.6,
         "Mean and size are right, the shape is not: a normal distribution is wanted.",
         expected="fourth moment 3",
-        came=f"{kurtosis:.2f}",
+        got=f"{kurtosis:.2f}",
     )
 
 
@@ -188,13 +188,13 @@ def noise_is_repeatable(student, V, N, eps, seed):
         np.array_equal(first, again),
         "Two calls with equal generators give different noise: draw with rng, not with np.random.",
         expected="equal noise",
-        came="different noise",
+        got="different noise",
     )
     expect.that(
         not np.array_equal(first, other),
         "Two different generators give the same noise: draw with rng, make no generator inside.",
         expected="different noise",
-        came="equal noise",
+        got="equal noise",
     )
 
 
@@ -218,9 +218,7 @@ def snr_counts_in_decibels(student, V, V_noisy):
         hint += " The norms are not squared in this definition."
     elif abs(quiet - loud - 10) < 0.1:
         hint += " The factor is 20, not 10."
-    expect.that(
-        abs(quiet - loud - 20) < 1e-6, hint, expected="20 dB", came=f"{quiet - loud:.4g} dB"
-    )
+    expect.that(abs(quiet - loud - 20) < 1e-6, hint, expected="20 dB", got=f"{quiet - loud:.4g} dB")
 
 
 @check.part("snr", 2, noisy_pairs)
@@ -281,12 +279,12 @@ def normal_angle_is_right(student, N, N_clean):
         ),
         ("This is the mean of the cosines: np.arccos is missing.", np.cos(angles).mean()),
     ]
-    came = student.normal_angle(N, N_clean)
-    expect.close(came, np.degrees(angles).mean(), "the angle", mistakes=mistakes)
+    got = student.normal_angle(N, N_clean)
+    expect.close(got, np.degrees(angles).mean(), "the angle", mistakes=mistakes)
 
 
 @check.part("normal_angle", 1, pairs_of_normals)
 def normal_angle_of_equal_normals(student, N, N_clean):
     """Zero for equal normals, whatever the rounding."""
-    came = expect.number(student.normal_angle(N, N), "the angle")
-    expect.that(abs(came) < 1e-4, "Equal normals make no angle.", expected="0", came=f"{came:.3g}")
+    got = expect.number(student.normal_angle(N, N), "the angle")
+    expect.that(abs(got) < 1e-4, "Equal normals make no angle.", expected="0", got=f"{got:.3g}")

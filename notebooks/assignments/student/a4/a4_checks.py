@@ -30,7 +30,7 @@ def mass_adds_up(student, V, F):
     """Diagonal, positive, and in sum the area of the surface."""
     M = expect.matrix(student.mass_matrix(V, F), "M", len(V))
     beside = abs(M - diags_array(M.diagonal())).max()
-    expect.that(beside == 0, "M is diagonal.", expected="0 beside the diagonal", came=f"{beside}")
+    expect.that(beside == 0, "M is diagonal.", expected="0 beside the diagonal", got=f"{beside}")
     area, total = mesh.area(V, F), M.diagonal().sum()
     hint = "The masses do not add up to the area of the surface."
     if abs(total - 3 * area) < 1e-6 * area:
@@ -39,7 +39,7 @@ def mass_adds_up(student, V, F):
         hint += " The cross product is twice the area: the half is missing."
     elif abs(total - 6 * area) < 1e-6 * area:
         hint += " The cross product is twice the area, and each vertex gets a third of it."
-    expect.that(abs(total - area) < 1e-6 * area, hint, expected=f"{area:.6g}", came=f"{total:.6g}")
+    expect.that(abs(total - area) < 1e-6 * area, hint, expected=f"{area:.6g}", got=f"{total:.6g}")
 
 
 @check.part("mass_matrix", 3, meshes)
@@ -79,8 +79,8 @@ def check_implicit_step(student, V, F, t):
         ("t is not used.", lambda: solve(M + L, M @ V)),
         ("Nothing has moved.", V),
     ]  # fmt: skip
-    came = student.implicit_step(V, M, L, t)
-    expect.close(came, solve(M + t * L, M @ V), f"V+ (t = {t:g})", mistakes=mistakes)
+    got = student.implicit_step(V, M, L, t)
+    expect.close(got, solve(M + t * L, M @ V), f"V+ (t = {t:g})", mistakes=mistakes)
 
 
 @check.part("implicit_step", 3, meshes)
@@ -128,7 +128,7 @@ def regularise_at_both_ends(student, V, F):
         off < 1e-3,
         "With a huge lam only smoothness counts, and a point is as smooth as it gets.",
         expected="all vertices at their mean",
-        came=f"still {100 * off:.3g} % of the size",
+        got=f"still {100 * off:.3g} % of the size",
     )
 
 
@@ -145,7 +145,7 @@ def fixed_vertices_stay(student, V, F):
         not moved[fixed].any() and moved[~fixed].all(),
         hint,
         expected=f"{fixed.sum()} vertices in place, {(~fixed).sum()} moved",
-        came=f"{(moved == 0).sum()} in place",
+        got=f"{(moved == 0).sum()} in place",
     )
 
 
@@ -175,8 +175,8 @@ def regularise_fixed_is_right(student, V, F):
          lambda: solved(V[free] + coupling)),
         ("lam is missing in front of L_fc V_c.", lambda: solved(V[free] - coupling / lam)),
     ]  # fmt: skip
-    came = student.regularise_fixed(V, L, lam, fixed)
-    expect.close(came, solved(V[free] - coupling), "X", mistakes=mistakes)
+    got = student.regularise_fixed(V, L, lam, fixed)
+    expect.close(got, solved(V[free] - coupling), "X", mistakes=mistakes)
 
 
 @check.part("restore_volume", 3, meshes)
@@ -199,5 +199,5 @@ def restore_volume_is_right(student, V, F):
         ("You scale about the middle of the bounding box; the mean of the vertices is wanted.",
          scaled(ratio ** (1 / 3), middle)),
     ]  # fmt: skip
-    came = student.restore_volume(V, F, ratio * now)
-    expect.close(came, scaled(ratio ** (1 / 3)), "V", mistakes=mistakes)
+    got = student.restore_volume(V, F, ratio * now)
+    expect.close(got, scaled(ratio ** (1 / 3)), "V", mistakes=mistakes)

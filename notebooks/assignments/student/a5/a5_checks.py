@@ -19,7 +19,7 @@ check = Assignment(
             "meshfair.operators",
             "meshfair.flow",
         ),
-        refused=("meshfair.shapes", "meshfair.filters", "meshfair.io", "meshfair.datasets"),
+        blocked=("meshfair.shapes", "meshfair.filters", "meshfair.io", "meshfair.datasets"),
     ),
 )
 
@@ -94,7 +94,7 @@ def graded(value, full, name, metric=None):
         share=float(np.clip(value / full, 0, 1)),
         hint=hint,
         expected=f"{full:g} dB",
-        came=f"{value:.2f} dB",
+        got=f"{value:.2f} dB",
         metric=metric,
     )
 
@@ -107,14 +107,14 @@ def denoise_gives_a_mesh(student, V_noisy, V, F, missiles):
         not np.allclose(X, V_noisy, rtol=0, atol=1e-9),
         "Nothing has moved.",
         expected="another mesh",
-        came="the noisy mesh",
+        got="the noisy mesh",
     )
     gain = decibels(X, V_noisy, V, np.ones(len(V), dtype=bool))
     expect.that(
         gain > -6,
         "The mesh is much worse than before: is the step too large, or the flow too long?",
         expected="an error that is at most doubled",
-        came=f"a gain of {gain:.1f} dB",
+        got=f"a gain of {gain:.1f} dB",
     )
 
 

@@ -6,11 +6,14 @@ side may be a student's process.
 """
 
 import json
+import socket
 import struct
 import time
 from dataclasses import asdict
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 
 from meshfair_grading.answers import LARGEST_ANSWER, Answer, Failure, Other, Seeded
@@ -21,11 +24,11 @@ LARGEST_BODY = 4 * LARGEST_ANSWER
 DTYPES = {"|b1", "<i8", "<f8", "<c16"}
 
 
-class GarbledError(ValueError):
+class ProtocolError(ValueError):
     """A message that no honest process sends."""
 
 
-def send(channel, data):
+def send(channel: socket.socket, data: Any) -> None:
     """Send plain data.
 
     Parameters
@@ -35,13 +38,13 @@ def send(channel, data):
         dict with string keys, list, str, number, bool, None, ndarray of bool,
         int64, float64 or complex128, csr_array, `Seeded`, `Other`, `Answer`.
     """
-    buffers = []
+    buffers: list[bytes] = []
     head = json.dumps(_pack(data, buffers)).encode()
     body = b"".join(buffers)
     channel.sendall(LENGTHS.pack(len(head), len(body)) + head + body)
 
 
-def receive(channel, deadline=None):
+def receive(channel: socket.socket, deadline: float | None = None) -> Any:
     """Receive what `send` sent.
 
     Parameters
@@ -60,21 +63,21 @@ def receive(channel, deadline=None):
         Past the deadline.
     EOFError
         The other side has closed the channel, or died.
-    GarbledError
+    ProtocolError
         Not a message.
     """
     head_length, body_length = LENGTHS.unpack(_read(channel, LENGTHS.size, deadline))
     if head_length > LARGEST_HEAD or body_length > LARGEST_BODY:
-        raise GarbledError("the message is larger than any answer")
+        raise ProtocolError("the message is larger than any answer")
     head = _read(channel, head_length, deadline)
     body = _read(channel, body_length, deadline)
     try:
         return _unpack(json.loads(head), memoryview(body))
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
-        raise GarbledError(f"the message makes no sense ({error})") from error
+        raise ProtocolError(f"the message makes no sense ({error})") from error
 
 
-def _read(channel, length, deadline):
+def _read(channel: socket.socket, length: int, deadline: float | None) -> bytearray:
     data = bytearray(length)
     rest = memoryview(data)
     while rest:
@@ -90,7 +93,7 @@ def _read(channel, length, deadline):
     return data
 
 
-def _pack(data, buffers):
+def _pack(data: Any, buffers: list[bytes]) -> Any:
     """The structure for JSON; arrays go to ``buffers`` and leave a description."""
     match data:
         case np.ndarray():
@@ -118,7 +121,7 @@ def _pack(data, buffers):
     return data
 
 
-def _unpack(packed, body):
+def _unpack(packed: Any, body: memoryview) -> Any:
     match packed:
         case {"$": "array", "dtype": dtype, "shape": shape, "start": start}:
             return _array(dtype, shape, start, body)
@@ -133,10 +136,10 @@ def _unpack(packed, body):
         case {"$": "Answer", "value": value, "changed": changed, "failure": failure}:
             failure = _unpack(failure, body)
             if not isinstance(failure, Failure | None):
-                raise GarbledError("a failure is expected")
+                raise ProtocolError("a failure is expected")
             return Answer(_unpack(value, body), tuple(map(int, changed)), failure)
         case {"$": other}:
-            raise GarbledError(f"no type {other!r}")
+            raise ProtocolError(f"no type {other!r}")
         case dict():
             return {key: _unpack(value, body) for key, value in packed.items()}
         case list():
@@ -144,25 +147,25 @@ def _unpack(packed, body):
     return packed
 
 
-def _array(dtype, shape, start, body):
+def _array(dtype: Any, shape: Any, start: Any, body: memoryview) -> NDArray[Any]:
     shape, start = [int(size) for size in shape], int(start)
     if dtype not in DTYPES or len(shape) > 8 or min([start, *shape]) < 0:
-        raise GarbledError(f"no array of type {dtype!r} and shape {shape}")
+        raise ProtocolError(f"no array of type {dtype!r} and shape {shape}")
     dtype = np.dtype(dtype)
     count = 1
     for size in shape:  # in Python's integers, which do not overflow
         count *= size
     if start + count * dtype.itemsize > len(body):
-        raise GarbledError("an array that is longer than its bytes")
+        raise ProtocolError("an array that is longer than its bytes")
     return np.frombuffer(body, dtype, count, start).reshape(shape).copy()
 
 
-def _sparse(n, m, row, col, data):
+def _sparse(n: Any, m: Any, row: Any, col: Any, data: Any) -> csr_array:
     # A matrix takes memory for its rows even where it has no entries.
     if not (0 <= n <= LARGEST_ANSWER and 0 <= m <= LARGEST_ANSWER):
-        raise GarbledError("a sparse matrix larger than any answer")
+        raise ProtocolError("a sparse matrix larger than any answer")
     if not (row.ndim == 1 and row.shape == col.shape == data.shape):
-        raise GarbledError("a sparse matrix with parts of different lengths")
+        raise ProtocolError("a sparse matrix with parts of different lengths")
     if len(row) and not (0 <= row.min() <= row.max() < n and 0 <= col.min() <= col.max() < m):
-        raise GarbledError("a sparse matrix with entries outside")
+        raise ProtocolError("a sparse matrix with entries outside")
     return csr_array(coo_array((data, (row, col)), shape=(int(n), int(m))))

@@ -1,14 +1,20 @@
 """Mark the submissions of an assignment: a CSV, and feedback for each student.
 
 Each submission runs in processes of its own with limits; what this system
-cannot hold back is told on standard error. A second run marks only what is
+cannot hold back is said on standard error. A second run marks only what is
 new or has changed.
 """
 
+import argparse
+import sys
+from importlib.util import find_spec
 from pathlib import Path
 
+# Beside what marks submissions: to read an instructor's file, to write feedback, to show progress.
+NEEDED = ("jupytext", "nbformat", "jinja2", "tqdm")
 
-def add_arguments(parser):
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the subcommand's arguments."""
     parser.add_argument(
         "submissions", type=Path, help="folder with a folder, or a .py file, for each student"
@@ -27,32 +33,30 @@ def add_arguments(parser):
     )  # fmt: skip
 
 
-def run(options):
+def run(options: argparse.Namespace) -> int:
     """Mark, write, and say what happened.
 
     Returns
     -------
     int
         0, whatever marks the submissions got.
+
+    Raises
+    ------
+    ValueError
+        A library is missing, or the assignment, or the submissions.
     """
-    import sys
+    missing = [name for name in NEEDED if find_spec(name) is None]
+    if missing:  # now, and not after the first student
+        raise ValueError(f'this needs {", ".join(missing)}; run: pip install "meshfair[grading]"')
 
     from tqdm import tqdm
 
-    from meshfair_grading.generate import ASSIGNMENTS
     from meshfair_grading.isolation import Isolation, Limits
     from meshfair_grading.marking import grade
     from meshfair_grading.source import Source
 
-    path = Path(options.assignment)
-    if path.suffix != ".py":
-        path = ASSIGNMENTS / "source" / f"{options.assignment}.py"
-    if not path.exists():
-        raise ValueError(
-            f"there is no {path}; give --assignment the path of an instructor's file, "
-            "from notebooks/assignments/source of the repository"
-        )
-    source = Source.read(path)
+    source = Source.read(_instructors_file(options.assignment))
     isolation = Isolation.detect(
         Limits(
             call=options.seconds, total=6 * options.seconds, memory=round(options.memory * 1e9)
@@ -76,3 +80,23 @@ def run(options):
         f"mean {sum(earned) / len(earned):.1f} points: {options.out}"
     )
     return 0
+
+
+def _instructors_file(assignment: str) -> Path:
+    """The file of an assignment that is given by its path or, in a clone, by its name."""
+    from meshfair_grading.generate import ASSIGNMENTS
+
+    folder, path = ASSIGNMENTS / "source", Path(assignment)
+    if path.suffix != ".py":
+        path = folder / f"{assignment}.py"
+    if path.is_file():
+        return path
+    if path.parent != folder:
+        raise ValueError(f"there is no file {path}")
+    if not folder.is_dir():
+        raise ValueError(
+            "this installation came without the assignments; give --assignment the path of an "
+            f"instructor's file, such as notebooks/assignments/source/{path.name} of the repository"
+        )
+    known = ", ".join(sorted(file.stem for file in folder.glob("*.py")))
+    raise ValueError(f"there is no assignment {assignment}; there are {known}")
