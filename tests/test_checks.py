@@ -12,12 +12,15 @@ from meshfair import MeshError, flow, operators, shapes, viewer, weights
 from meshfair.checks import (
     check_choice,
     check_count,
+    check_direction,
     check_fixed,
     check_mesh,
     check_number,
     check_operator,
+    check_range,
     check_rng,
     check_square,
+    check_values,
 )
 
 V = np.eye(3)
@@ -317,3 +320,34 @@ def test_operators_of_another_mesh_are_refused():
 
 def test_a_step_that_looks_at_all_entries_spares_their_check():
     assert check_operator(with_entry(np.nan), 3, entries=False).nnz == 4
+
+
+def test_values_are_one_number_for_each_vertex_or_face():
+    for good, n, m in (([1, 2, 3], 3, 1), ([4], 3, 1)):
+        checked = check_values(good, n, m)
+        assert checked.dtype == np.float64
+        assert checked.tolist() == good
+    array = np.zeros(3)
+    assert not np.shares_memory(check_values(array, 3, 1), array)
+    for bad, message in (
+        ([1, 2], r"shape \(2,\); give one number for each of the 3 vertices or of the 1 faces"),
+        (np.zeros((3, 1)), "shape"),
+        ([0, np.nan, 1], "number 1 is nan"),
+        (["1", "2", "3"], "values of type"),
+        ([1j, 0, 0], "values of type complex128"),
+        ([0, [1, 2], 3], "different lengths"),
+    ):
+        with pytest.raises(MeshError, match=f"values.*{message}"):
+            check_values(bad, 3, 1)
+
+
+def test_ranges_and_directions():
+    assert check_range(np.array([1, 2]), "limits") == (1.0, 2.0)
+    assert check_range((1, 1), "limits") == (1.0, 1.0)
+    for bad in ((2, 1), (0, np.nan), (0, np.inf), (1,), (1, 2, 3), 1, None, "ab"):
+        with pytest.raises(ValueError, match=r"limits is .*; give two numbers"):
+            check_range(bad, "limits")
+    np.testing.assert_allclose(check_direction([0, 3, 4], "up"), [0, 0.6, 0.8])
+    for bad in ((0, 0, 0), (1, 2), (1, np.nan, 0), (np.inf, 0, 0), "up", None, [[1, 0, 0]]):
+        with pytest.raises(ValueError, match=r"up is .*; give three numbers"):
+            check_direction(bad, "up")

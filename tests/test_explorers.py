@@ -20,6 +20,7 @@ from meshfair import (
 )
 from meshfair.explorers import worker
 from meshfair.explorers.worker import LatestWins
+from meshfair.mesh import mean_edge_length
 from meshfair.viewer import coloring
 
 V, F = shapes.knot(40, 6)
@@ -69,6 +70,24 @@ def test_the_noise_explorer_shows_the_snr():
     np.testing.assert_array_equal(explorer.view.panels[1].V, noisy)  # the picture stays
 
 
+@pytest.mark.parametrize(
+    ("model", "expected"),
+    [
+        ("gaussian", lambda rng: noise.gaussian(V, F, 0.3, rng)),
+        ("uniform", lambda rng: noise.uniform(V, 0.3 * mean_edge_length(V, F), rng)),
+        ("impulsive", lambda rng: noise.impulsive(V, F, 0.3, 0.1, rng)),
+    ],
+)
+def test_every_noise_model_has_its_size_in_mean_edge_lengths(model, expected):
+    explorer = explorers.NoiseExplorer(V, F, size=0.3)
+    explorer.controls["seed"].value = 5
+    explorer.controls["model"].value = model
+    explorer.wait()
+    V_noisy = expected(np.random.default_rng(5))
+    np.testing.assert_array_equal(explorer.view.panels[1].V, V_noisy)
+    assert explorer.snr == metrics.snr(V, V_noisy)
+
+
 def test_the_heat_explorer_shows_the_flow():
     explorer = explorers.HeatExplorer(V, F, size=0.3, tau=0.5, iterations=6)
     explorer.controls["weights"].value = "cotangent"
@@ -86,7 +105,7 @@ def test_the_heat_explorer_shows_the_flow():
     assert explorer.plots[0].marker == 2.0
 
 
-def test_a_click_into_the_chart_goes_to_that_step():
+def test_a_click_into_the_plot_goes_to_that_iteration():
     explorer = explorers.HeatExplorer(V, F, tau=0.2, iterations=10)
     explorer.wait()
     explorer.plots[0].picked = 0.83
@@ -95,13 +114,12 @@ def test_a_click_into_the_chart_goes_to_that_step():
     assert explorer.controls["iteration"].value == 10
 
 
-def test_the_step_slider_computes_nothing_anew(monkeypatch):
+def test_the_iteration_slider_computes_nothing_anew():
     explorer = explorers.HeatExplorer(V, F, iterations=5)
     explorer.wait()
-    monkeypatch.setattr(explorer, "_work", None)
     run = explorer._run
-    for step in range(6):
-        explorer.controls["iteration"].value = step
+    for iteration in range(6):
+        explorer.controls["iteration"].value = iteration
     explorer.wait()
     assert explorer._run is run
     assert "t = 1.00" in explorer.view.titles[2]
@@ -198,8 +216,8 @@ def test_the_filter_explorer_shows_what_denoise_makes_of_the_mesh():
         np.testing.assert_allclose(curve["y"], expected.history[column])
         assert plot.marker == len(expected.history) - 1
     found = metrics.compare(expected.V, F, V, F)
-    for told in (f"{decibels:.2f} dB", f"{found['hausdorff']:.3f} edges"):
-        assert told in explorer.table.value
+    for reported in (f"{decibels:.2f} dB", f"{found['hausdorff']:.3f} edges"):
+        assert reported in explorer.table.value
     assert f"iterations = {expected.parameters['iterations']};" in explorer._note.value
 
 
@@ -324,15 +342,14 @@ def test_only_the_newest_request_is_worked_on():
     assert done == [19]
 
 
-def test_progress_is_told_only_of_long_work(monkeypatch):
-    told = []
-    LatestWins(lambda job: job.progress(0.5), told.append, told.append).request()
-    quick = LatestWins(lambda job: job.progress(0.5), told.append, told.append)
+def test_progress_is_reported_only_of_long_work(monkeypatch):
+    reported = []
+    quick = LatestWins(lambda job: job.progress(0.5), reported.append, reported.append)
     quick.request()
     quick.wait()
-    assert 0.5 not in told
+    assert 0.5 not in reported
     monkeypatch.setattr(worker, "DELAY", 0.0)
-    slow = LatestWins(lambda job: job.progress(0.5), told.append, told.append)
+    slow = LatestWins(lambda job: job.progress(0.5), reported.append, reported.append)
     slow.request()
     slow.wait()
-    assert told[-2:] == [0.5, 1.0]
+    assert reported[-2:] == [0.5, 1.0]

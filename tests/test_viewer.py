@@ -258,6 +258,17 @@ def test_look_at_moves_the_reset_view(torus):
     assert view.camera == closer
 
 
+def test_the_first_camera_stays_the_reset_view_when_meshes_change(torus):
+    view = View(*torus, backend="k3d")
+    first = view.camera
+    view.update(2 * torus[0])
+    view.reset()
+    assert view.camera == first
+    view.fit(0.5)  # nobody has turned it: it follows the page's shape
+    refitted = Camera.around(torus[0], (1, -1, 0.6), aspect=0.5)
+    np.testing.assert_allclose(view.camera.position, refitted.position)
+
+
 class Page:
     """The page's end of the protocol of frames.js, in Python."""
 

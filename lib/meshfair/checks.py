@@ -307,15 +307,17 @@ def check_values(values: ArrayLike, n: int, m: int, name: str = "values") -> Flo
     """
     wanted = f"give one number for each of the {n} vertices or of the {m} faces"
     try:
-        array = np.array(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise MeshError(f"{name} holds something other than real numbers; {wanted}") from None
+        array = np.asarray(values)
+    except ValueError:
+        raise MeshError(f"{name} has entries of different lengths; {wanted}") from None
+    if array.dtype.kind not in "biuf":
+        raise MeshError(f"{name} holds values of type {array.dtype}; {wanted}")
     if array.shape not in ((n,), (m,)):
         raise MeshError(f"{name} has shape {array.shape}; {wanted}")
     if not np.isfinite(array).all():
         row = np.flatnonzero(~np.isfinite(array))[0]
         raise MeshError(f"{name}: number {row} is {array[row]}; give finite numbers")
-    return array
+    return array.astype(np.float64)
 
 
 def check_range(limits: Any, name: str) -> tuple[float, float]:

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from meshfair.checks import (
-    Floats,
     check_choice,
     check_count,
     check_direction,
@@ -111,8 +110,8 @@ class View:
         Scale.of([], limits, cmap)  # refused here, not in the thread that draws
         self.up = check_direction(up, "up")
         self._direction = check_direction(direction, "direction")
-        # What the reset button shows: set by look_at.
-        self._home: tuple[Floats, Floats] | None = None
+        # What the reset button shows, whatever the panels hold by then: set by look_at.
+        self._home = np.concatenate([panel.V for panel in self.panels]), self._direction
         self._changed: set[int] | None = None  # panels changed inside `together`
         self.aspect = STILL[0] / STILL[1] / count
         self.camera = self._camera_home()
@@ -238,10 +237,7 @@ class View:
             self.camera = self._camera_home()
 
     def _camera_home(self) -> Camera:
-        V, direction = self._home or (
-            np.concatenate([panel.V for panel in self.panels]),
-            self._direction,
-        )
+        V, direction = self._home
         return Camera.around(V, direction, self.up, aspect=self.aspect)
 
     def _refresh(self, panels: Iterable[int]) -> None:
