@@ -1,5 +1,6 @@
 """Explorers: what they show is what the package computes, and only the newest counts."""
 
+import re
 import threading
 
 import numpy as np
@@ -47,6 +48,12 @@ def quick_pictures(monkeypatch):
 def test_every_control_works_at_both_ends(make):
     explorer = make()
     assert drive(explorer) == []
+    menus = [control for control in explorer.controls.values() if hasattr(control, "options")]
+    assert menus
+    for menu in menus:  # names that a reader knows, and no two alike
+        labels = [label for label, _ in menu.options]
+        assert len(set(labels)) > 1
+        assert all(re.fullmatch(r"[\w() -]+", label) for label in labels), labels
 
 
 def test_the_noise_explorer_shows_the_snr():

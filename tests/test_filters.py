@@ -85,6 +85,20 @@ def test_parameters_are_those_of_the_papers(name, parameters, small):
     np.testing.assert_allclose(result(ALL[name], V, F, **parameters), expected, atol=ROUNDING)
 
 
+@pytest.mark.parametrize("scale", [0.1, 10])
+def test_bilateral_on_what_is_nearly_flat(scale):
+    # The heights deviate by less than a millionth of the edges, so that this is sigma_s.
+    V, F = grid(3)
+    V[:, 2] = 5e-7 * np.random.default_rng(8).standard_normal(len(V))
+    moves = [X - scale * V for X in (
+        papers.bilateral(scale * V, F, iterations=1),
+        result(filters.bilateral, scale * V, F, iterations=1),
+    )]  # fmt: skip
+    # Positions of the size of the scale are rounded to 1e-16 of it.
+    np.testing.assert_allclose(moves[1], moves[0], atol=1e-15 * scale)
+    assert np.abs(moves[0]).max() > 1e-8 * scale
+
+
 def of_faces(V, F):
     """Normals, areas and centroids from the papers, and the rings as matrix and as lists."""
     R = face_rings(incidence(F, len(V)))
@@ -136,6 +150,8 @@ def test_the_gaussian():
     found = normal_filtering.gaussian(np.array([0.0, 1, 4]), 1.0)
     np.testing.assert_allclose(found, [1, np.exp(-0.5), np.exp(-2)], rtol=1e-15)
     np.testing.assert_allclose(normal_filtering.gaussian(np.array([9.0]), 3.0), [np.exp(-0.5)])
+    narrow = normal_filtering.gaussian(np.array([1e-240]), 1e-120)
+    np.testing.assert_allclose(narrow, [np.exp(-0.5)])
     for width in (0.0, 1e-200):
         np.testing.assert_array_equal(
             normal_filtering.gaussian(np.array([0.0, 1e-300, 1.0]), width), [1, 0, 0]
@@ -363,6 +379,21 @@ def test_rings_and_adjacent_faces(small):
     assert list(zip(f.tolist(), g.tolist(), strict=True)) == papers.adjacent(F)
 
 
+def test_a_collapsed_face_is_not_beside_itself():
+    R = face_rings(incidence(np.array([[0, 0, 1], [0, 1, 2], [2, 1, 3], [4, 4, 4]]), 5))
+    assert R.toarray().tolist() == [[2, 2, 1, 0], [2, 3, 2, 0], [1, 2, 3, 0], [0, 0, 0, 1]]
+    f, g = adjacent_faces(R)
+    assert (f.tolist(), g.tolist()) == ([0, 1], [1, 2])
+
+
+def test_mean_distances():
+    C = np.array([[0.0, 0, 0], [3, 4, 0], [3, 4, 7]])
+    pairs = np.array([0, 1]), np.array([1, 2])
+    assert normal_filtering.mean_distance(C, pairs) == 6
+    none = np.array([], dtype=int)
+    assert normal_filtering.mean_distance(C, (none, none)) == 0
+
+
 def test_shortest_edges():
     _, lengths = line([0.0, 1, 4, 5.5])
     lonely = csr_array((lengths.data, lengths.indices, np.append(lengths.indptr, 6)), shape=(5, 5))
@@ -462,6 +493,12 @@ def test_a_closed_line_ends_where_it_began():
     V = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
     ends = np.sort(np.column_stack([np.arange(12), np.roll(np.arange(12), -1)]), axis=1)
     assert traced(V, ends, np.ones(12), np.ones(12), 0, 12) == list(range(12))
+    assert traced(V, ends, np.ones(12), np.ones(12), 0, 13) == []
+
+
+def test_lines_go_on_over_edges_without_length():
+    V = [[0, 0, 0], [1, 0, 0], [1, 0, 0], [1, 1, 0]]
+    assert traced(V, [[0, 1], [1, 2], [2, 3]], [3, 2, 1], [1, 1, 1], 0, 3) == [0, 1, 2]
 
 
 def test_candidates_are_bent_by_more_than_the_cosine_says():
@@ -471,6 +508,8 @@ def test_candidates_are_bent_by_more_than_the_cosine_says():
     for cosine, expected in ((0.1, right), (-0.1, 0 * right)):
         found = creases.crease_edges(V, H, cosine, gap=5, shortest=2)
         np.testing.assert_array_equal(found, expected)
+    V, F = grid(4)  # all cosines are 1, and so not smaller
+    assert not creases.crease_edges(V, interior_edges(F), 1.0, gap=5, shortest=1).any()
 
 
 # --- Arguments.
@@ -530,11 +569,13 @@ ALLOWED = [
     ("taubin", {"lam": 1, "mu": -1}, False),
     ("implicit", {"step": 0}, True),
     ("regularised", {"lam": 0}, True),
+    ("bilateral", {"radius": 0.5}, True),  # around each vertex there is only itself
     ("sun", {"threshold": -1}, False),
     ("sun", {"threshold": 1}, True),
     ("sun", {"normal_iterations": 0}, True),  # each vertex lies in the planes of its faces
     ("sun", {"vertex_iterations": 0}, True),
     ("bilateral_normal", {"normal_iterations": 0}, True),
+    ("guided_normal", {"radius": 0.5}, True),
     ("guided_normal", {"vertex_iterations": 1}, False),
     ("feature_convinced", {"noise": 0, "gap": 0, "shortest": 0}, False),
     ("feature_convinced", {"vertex_iterations": 1}, False),

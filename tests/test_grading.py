@@ -25,12 +25,13 @@ from meshfair import cli
 from meshfair.mesh import is_closed, volume
 from meshfair_grading import command, expect, generate, marking, protocol
 from meshfair_grading.answers import Answer, Failure, Other, Seeded, ask, plain
-from meshfair_grading.assignment import Assignment, Graded, Outcome
+from meshfair_grading.assignment import Assignment
 from meshfair_grading.feedback import Report
 from meshfair_grading.generate import ASSIGNMENTS
 from meshfair_grading.isolation import Isolation, Limits
 from meshfair_grading.marking import find, grade
 from meshfair_grading.meshes import unseen
+from meshfair_grading.outcomes import Graded, Outcome
 from meshfair_grading.rules import Rules, violations
 from meshfair_grading.students import IsolatedStudent
 from submissions import HOSTILE, RIGHT, SOURCE, build

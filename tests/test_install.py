@@ -122,3 +122,34 @@ def test_the_command_works(installed, tmp_path):
         for name in ("noisy.obj", "denoised.ply")
     )
     assert before < after
+    words = ["denoise", "noisy.obj", "compared.ply", "--ground-truth", "knot.ply"]
+    done = subprocess.run(
+        [installed.parent / "meshfair", *words],
+        env=outside(),
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 1
+    assert done.stderr.endswith('pip install "meshfair[experiments]"\n')
+    assert not (tmp_path / "compared.ply").exists()
+
+
+# Uses of optional libraries, and the extra that installs them.
+OPTIONAL = {
+    "import meshfair.explorers": "notebooks",
+    "from meshfair import viewer, shapes; viewer.View(*shapes.knot())": "notebooks",
+    "from meshfair import datasets; datasets.find('f16')": "data",
+    "from meshfair import experiments; experiments.published_table_1()": "experiments",
+    "from meshfair import denoise, shapes; V, F = shapes.knot()\n"
+    "denoise(V, F, 'taubin', ground_truth=V)": "experiments",
+    "from meshfair import plotting\nwith plotting.figure('x.svg'): pass": "viewer",
+}
+
+
+@pytest.mark.parametrize("code", OPTIONAL)
+def test_what_needs_an_extra_names_it(installed, code, tmp_path):
+    command = [str(installed), "-c", code]
+    done = subprocess.run(command, env=outside(), cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 1
+    assert done.stderr.splitlines()[-1].endswith(f'pip install "meshfair[{OPTIONAL[code]}]"')

@@ -14,6 +14,7 @@ import yaml
 
 import conftest
 import meshfair
+from meshfair import _extras
 
 ROOT = Path(__file__).resolve().parent.parent
 LIB = ROOT / "lib"
@@ -138,11 +139,18 @@ EXTRAS = PYPROJECT["project"]["optional-dependencies"]
 def test_every_import_is_of_a_package_that_some_extra_installs():
     known = names(PYPROJECT["project"]["dependencies"]) | requirements("all")
     there = {"a1_checks", "meshfair", "meshfair_grading", *sys.stdlib_module_names}
+    there |= {"markupsafe"}  # what Jinja2 writes, imported for its type alone
     there |= {path.stem for path in (ROOT / "report").glob("*.py")}
     for path in [*LIB.rglob("*.py"), *(ROOT / "report").glob("*.py")]:
         modules = {name.split(".")[0] for name in imported(path)} - there
         missing = {DISTRIBUTIONS.get(name, name).lower() for name in modules} - known
         assert not missing, f"{path.relative_to(ROOT)} imports {missing}, in no extra"
+
+
+def test_a_missing_library_is_said_to_be_in_an_extra_that_installs_it():
+    for extra, modules in _extras.EXTRAS.items():
+        packages = {DISTRIBUTIONS.get(name, name).lower() for name in modules}
+        assert packages - {"polyscope_bindings"} <= requirements(extra), extra
 
 
 def test_the_core_is_three_packages():

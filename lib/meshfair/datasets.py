@@ -9,6 +9,8 @@ import shutil
 from pathlib import Path
 from typing import NamedTuple
 
+from meshfair._extras import needed_for
+
 FOLDER_VARIABLE = "MESHFAIR_DATA"
 MIRROR_VARIABLE = "MESHFAIR_MIRROR"
 
@@ -81,7 +83,8 @@ def folder() -> Path:
         The environment variable MESHFAIR_DATA where it is set, else the
         platform's cache folder for this package.
     """
-    import pooch
+    with needed_for("a real mesh"):
+        import pooch
 
     return Path(os.environ.get(FOLDER_VARIABLE) or pooch.os_cache("meshfair"))
 
@@ -104,7 +107,8 @@ def find(name: str) -> Path | None:
     ValueError
         No such name.
     """
-    import pooch
+    with needed_for("a real mesh"):
+        import pooch
 
     source = _source(name)
     path = folder() / source.file
@@ -135,7 +139,8 @@ def fetch(name: str) -> Path:
     ValueError
         No such name.
     """
-    import pooch
+    with needed_for("a real mesh"):
+        import pooch
 
     source = _source(name)
     address = f"https://raw.githubusercontent.com/{source.repository}/{source.path}"

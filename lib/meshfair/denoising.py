@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from meshfair import filters
+from meshfair._extras import needed_for
 from meshfair.checks import Floats, Integers, check_choice, check_mesh, check_same_vertices
 from meshfair.filters.feature_convinced import fill_in, noise_by_lengths
 from meshfair.metrics import normal_angle, snr
@@ -241,6 +242,7 @@ def denoise(
     V, F = check_mesh(V, F)
     if ground_truth is not None:
         V, ground_truth = check_same_vertices(V, ground_truth, ("V", "ground_truth"))
+        _table(())  # needs pandas: to be said before the work, not after it
     check_choice(parameters, "parameters", ("default", "auto"))
     run = _Run(V, F, method, chosen, ground_truth, callback)
     if parameters == "default":
@@ -447,7 +449,8 @@ def _same(first: Parameters, second: Parameters) -> bool:
 
 
 def _table(history: tuple[tuple[float, float], ...]) -> pd.DataFrame:
-    import pandas as pd  # a third of a second to load, for this table alone
+    with needed_for("a comparison with the ground truth"):
+        import pandas as pd  # a third of a second to load, for this table alone
 
     table = pd.DataFrame(history, columns=["normal_angle", "snr"])
     table.insert(0, "iteration", range(len(table)))

@@ -7,6 +7,8 @@ from contextlib import contextmanager
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal
 
+from meshfair._extras import needed_for
+
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
@@ -60,8 +62,9 @@ def figure(
     ------
     matplotlib Axes, or an array of them
     """
-    import matplotlib as mpl
-    from matplotlib.figure import Figure
+    with needed_for("a figure"):
+        import matplotlib as mpl
+        from matplotlib.figure import Figure
 
     with mpl.rc_context(STYLE):
         drawn = Figure(figsize=size)

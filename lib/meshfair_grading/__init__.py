@@ -8,6 +8,7 @@ in the teacher's process, send it meshes that the student has not seen.
 ==============  ==========================================================
 ``source``      an instructor's file, and the student's files made from it
 ``assignment``  tasks, points, checks; marks a student
+``outcomes``    what a check found, and what that is worth
 ``expect``      comparisons that explain what is wrong
 ``students``    a student's functions, in this process or in another one
 ``answers``     what a function returned, as plain data

@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 
 from meshfair_grading.expect import WrongAnswerError
 from meshfair_grading.feedback import Report
+from meshfair_grading.outcomes import Graded, Outcome
 from meshfair_grading.rules import Rules
 from meshfair_grading.students import NotDoneError, NotebookStudent, Student
 
@@ -15,35 +16,6 @@ Cases = Callable[[int], Iterable[tuple[Any, ...]]]
 
 # What right values are worth that cost the caller the input.
 SHARE_IN_PLACE = 0.5
-
-
-@dataclass(frozen=True)
-class Graded:
-    """What a check returns that gives a part of its points."""
-
-    share: float
-    """0 to 1 of the points."""
-    hint: str = ""
-    expected: str = ""
-    got: str = ""
-    metric: float | None = None
-    """A figure for the leaderboard; larger is better."""
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What one check found."""
-
-    task: str
-    title: str
-    points: float
-    earned: float
-    status: str
-    """right, partly, wrong or not done."""
-    hint: str = ""
-    expected: str = ""
-    got: str = ""
-    metric: float | None = None
 
 
 Run = TypeVar("Run", bound=Callable[..., Graded | None])

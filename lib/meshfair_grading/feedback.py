@@ -8,11 +8,11 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
+from meshfair_grading.outcomes import Outcome
+
 if TYPE_CHECKING:
     from jinja2 import Environment
     from markupsafe import Markup
-
-    from meshfair_grading.assignment import Outcome
 
 MARKS = {"right": "✓", "partly": "◐", "wrong": "✗", "not done": "·"}
 COLORS = {"right": "#1a7f37", "partly": "#9a6700", "wrong": "#cf222e", "not done": "#6e7781"}

@@ -14,9 +14,10 @@ from pathlib import Path
 from typing import Any
 
 from meshfair_grading.answers import Failure
-from meshfair_grading.assignment import Assignment, Outcome
+from meshfair_grading.assignment import Assignment
 from meshfair_grading.feedback import Report
 from meshfair_grading.isolation import Isolation, Limits
+from meshfair_grading.outcomes import Outcome
 from meshfair_grading.source import Source
 from meshfair_grading.students import IsolatedStudent
 

@@ -16,6 +16,7 @@ from importlib.metadata import entry_points
 from types import ModuleType
 
 from meshfair import __version__
+from meshfair._extras import NotInstalledError
 
 COMMANDS = ("info", "repair", "noise", "denoise", "compare", "doctor")
 # Other packages bring further ones as entry points of this group.
@@ -113,6 +114,9 @@ def _explain(name: str, error: Exception) -> int:
     """Say in one line what went wrong; return the exit code."""
     if isinstance(error, MemoryError):
         _report(f"{name}: not enough memory; use a smaller mesh or free some")
+        return 1
+    if isinstance(error, NotInstalledError):
+        _report(f"{name}: {error}")
         return 1
     if isinstance(error, ModuleNotFoundError) and not (error.name or "").startswith("meshfair."):
         _report(f"{name}: this needs {error.name}, which is not installed; see meshfair doctor")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from meshfair import flow, metrics, spectrum
+from meshfair._extras import needed_for
 from meshfair.experiments.meshes import load_mesh, load_noisy_mesh
 from meshfair.experiments.original import TAU, TIME, curves
 from meshfair.mesh import Edges, cluster, repair, unique_faces
@@ -75,7 +76,8 @@ def reduction(
         and boundary (edges); weight_error, the sum of the weights' differences to
         those of the repaired faces over the sum of these; noisy_snr, snr, time.
     """
-    import pandas as pd
+    with needed_for("an experiment"):
+        import pandas as pd
 
     from meshfair import reference  # loads libigl
 
@@ -143,7 +145,8 @@ def origin_shift(
     pandas.DataFrame
         where ("as stored", or the shift), snr: the same noise every time.
     """
-    import pandas as pd
+    with needed_for("an experiment"):
+        import pandas as pd
 
     V_noisy, V, _ = load_noisy_mesh(mesh, "normals", seed, decibels=decibels)
     diagonal = np.linalg.norm(np.ptp(V, axis=0))
@@ -173,7 +176,8 @@ def agreement(
         normal angle and surface distance are best; angle at the first two and
         noisy, volume_change at the angle's.
     """
-    import pandas as pd
+    with needed_for("an experiment"):
+        import pandas as pd
 
     rows = []
     for mesh, size in cases:
@@ -228,7 +232,8 @@ def eigenvalue_table(
     MeshError
         A mesh that is too large for a dense matrix, see `meshfair.spectrum.eigenvalues`.
     """
-    import pandas as pd
+    with needed_for("an experiment"):
+        import pandas as pd
 
     V_noisy, _, F = load_noisy_mesh(mesh, noise, seed, size=size, decibels=decibels)
     parts = []

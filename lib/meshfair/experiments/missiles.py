@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from meshfair import flow
+from meshfair._extras import needed_for
 from meshfair.checks import Booleans, Floats, Integers
 from meshfair.experiments.meshes import load_noisy_mesh
 from meshfair.experiments.original import TAU, TIME
@@ -81,7 +82,8 @@ def part_error_curves(
     pandas.DataFrame
         weights, time, part ("missiles" or "aircraft"), error as in `part_errors`.
     """
-    import pandas as pd
+    with needed_for("an experiment"):
+        import pandas as pd
 
     V_noisy, V, F = load_noisy_mesh(JET, noise, seed, size=size, decibels=decibels)
     rows = []
@@ -110,7 +112,8 @@ def averaging_for_missiles(
         weights, time, those of `meshfair.metrics.compare`, and missile_error, the
         missiles' error as in `part_errors`.
     """
-    import pandas as pd
+    with needed_for("an experiment"):
+        import pandas as pd
 
     V_noisy, V, F = load_noisy_mesh(JET, "normals", seed, size=size)
     rows = []

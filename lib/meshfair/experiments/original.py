@@ -16,6 +16,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from meshfair import flow, metrics
+from meshfair._extras import needed_for
 from meshfair.checks import Floats, Integers, check_choice
 from meshfair.experiments.meshes import load_noisy_mesh
 from meshfair.experiments.sweep import check_finished, sweep
@@ -103,7 +104,8 @@ def curves(
         ``angles`` normal_angle (degrees), surface_distance (mean edge
         lengths) and volume_change (a fraction).
     """
-    import pandas as pd
+    with needed_for("an experiment"):
+        import pandas as pd
 
     V_noisy, V, F = load_noisy_mesh(mesh, noise, seed, size=size, decibels=decibels)
     rows = []
@@ -127,7 +129,8 @@ def published_table_1() -> pd.DataFrame:
         amplitude (of the uniform noise that gives the SNR; not in the original
         report), snr of the noisy mesh, weights, time, best_snr, gain in percent.
     """
-    import pandas as pd
+    with needed_for("an experiment"):
+        import pandas as pd
 
     return pd.read_csv(files("meshfair").joinpath("experiments/table1.csv"))
 
@@ -166,7 +169,8 @@ def table_1(
     RuntimeError
         A cell that failed.
     """
-    import pandas as pd
+    with needed_for("an experiment"):
+        import pandas as pd
 
     printed = published_table_1()
     amplitudes = dict(zip(printed["snr"], printed["amplitude"], strict=True))
@@ -238,7 +242,8 @@ def distance_readings(draws: int = 5) -> pd.DataFrame:
     pandas.DataFrame
         reading, row (the original report's SNR), time, snr: means over the draws.
     """
-    import pandas as pd
+    with needed_for("an experiment"):
+        import pandas as pd
 
     levels = published_table_1()[["snr", "amplitude"]].drop_duplicates()
     rows = []

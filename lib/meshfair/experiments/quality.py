@@ -8,6 +8,7 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from meshfair import denoising
+from meshfair._extras import needed_for
 from meshfair.checks import Floats, Integers
 from meshfair.experiments.meshes import load_mesh, load_noisy_mesh
 from meshfair.experiments.missiles import JET, part_errors
@@ -157,7 +158,8 @@ def quality(
     RuntimeError
         A method failed; the message says which and why.
     """
-    import pandas as pd
+    with needed_for("an experiment"):
+        import pandas as pd
 
     methods = denoising.methods() if methods is None else list(methods)
     parts = []

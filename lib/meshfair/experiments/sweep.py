@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
+from meshfair._extras import needed_for
 from meshfair.experiments.meshes import load_mesh
 
 if TYPE_CHECKING:
@@ -63,8 +64,9 @@ def sweep(
     ValueError
         No function under ``experiment``, or no cell.
     """
-    import pandas as pd
-    from tqdm import tqdm
+    with needed_for("an experiment"):
+        import pandas as pd
+        from tqdm import tqdm
 
     grid = dict(grid)
     experiment = grid.pop("experiment", None)

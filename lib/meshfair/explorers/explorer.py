@@ -73,25 +73,32 @@ def slider(
     )
 
 
-def choice(description: str, options: Iterable[str], value: str, tooltip: str) -> Any:
+def choice(
+    description: str,
+    options: Iterable[str],
+    value: str,
+    tooltip: str,
+    labels: Mapping[str, str] | None = None,
+) -> Any:
     """A menu with a name.
 
     Parameters
     ----------
     description, tooltip : str
         A name, and a sentence.
-    options : iterable of str, or dict of str to str
-        What can be chosen; of a dict, its keys, shown as its values.
+    options : iterable of str
+        What can be chosen.
     value : str
         The first choice.
+    labels : dict of str to str, optional
+        What the page shows for some of the options.
 
     Returns
     -------
     ipywidgets.Dropdown
     """
-    labels = options if isinstance(options, Mapping) else {name: name for name in options}
     return widgets.Dropdown(
-        options=[(label, name) for name, label in labels.items()],
+        options=[((labels or {}).get(name, name), name) for name in options],
         value=value,
         description=description,
         tooltip=tooltip,
@@ -112,7 +119,7 @@ def color_choice() -> Any:
 
 def noise_choice(models: Iterable[str], value: str, tooltip: str) -> Any:
     """The menu of noise models."""
-    return choice("noise", {name: NOISES[name] for name in models}, value, tooltip)
+    return choice("noise", models, value, tooltip, NOISES)
 
 
 def size_slider(size: float) -> Any:

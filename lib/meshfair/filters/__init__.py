@@ -4,6 +4,9 @@ Each takes ``(V, F, *, parameters)`` and yields the part of the work that is
 done, and positions; the last ones are the result:
 
     *_, (_, V_new) = filters.bilateral_normal(V, F)
+
+What all have in common (V, F, ``fixed``, what they yield and raise) is
+described once, in `averaging`.
 """
 
 from meshfair.filters.bilateral import bilateral

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from meshfair._extras import needed_for
 from meshfair.mesh import face_normals
 from meshfair.viewer.camera import FIELD_OF_VIEW, Camera
-from meshfair.viewer.libraries import needed_for
 from meshfair.viewer.panel import LINES, SURFACE, Panel, Scale
 
 LIGHT = (0.3, 0.4, 0.87)  # towards the light, in the camera's axes

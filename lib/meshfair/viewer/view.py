@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from meshfair._extras import needed_for
 from meshfair.checks import (
     Floats,
     check_choice,
@@ -22,7 +23,6 @@ from meshfair.checks import (
 )
 from meshfair.viewer.backend import Backend
 from meshfair.viewer.camera import Camera
-from meshfair.viewer.libraries import needed_for
 from meshfair.viewer.offscreen import Pixels, has_egl, render
 from meshfair.viewer.panel import Panel, Scale
 

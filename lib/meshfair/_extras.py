@@ -3,7 +3,18 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-VIEWER = {"PIL", "matplotlib", "polyscope", "polyscope_bindings"}
+EXTRAS = {
+    "viewer": {"PIL", "matplotlib", "polyscope", "polyscope_bindings"},
+    "notebooks": {"anywidget", "ipywidgets", "k3d", "traitlets"},
+    "data": {"pooch"},
+    "experiments": {"pandas", "tqdm"},
+    "grading": {"jinja2", "jupytext", "nbformat"},
+}
+"""Modules that are imported for some uses alone, by the extra that installs them."""
+
+
+class NotInstalledError(ModuleNotFoundError):
+    """An optional library that is missing; the message says what to install."""
 
 
 @contextmanager
@@ -17,7 +28,7 @@ def needed_for(purpose: str) -> Iterator[None]:
 
     Raises
     ------
-    ImportError
+    NotInstalledError
         A library is missing, or does not load here.
     """
     try:
@@ -26,9 +37,9 @@ def needed_for(purpose: str) -> Iterator[None]:
         library = (error.name or "a library").split(".")[0]
         if library == "meshfair":  # an error of ours, which no installation mends
             raise
-        extra = "viewer" if library in VIEWER else "notebooks"
+        extra = next((name for name, modules in EXTRAS.items() if library in modules), "all")
         reason = str(error).splitlines()[0]
-        raise ImportError(
+        raise NotInstalledError(
             f"{purpose} needs {library} ({reason}); run: {install(extra)}", name=error.name
         ) from None
 
