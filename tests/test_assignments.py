@@ -6,6 +6,7 @@ import os
 import re
 import shutil
 import sys
+import types
 from pathlib import Path
 
 import pytest
@@ -51,6 +52,15 @@ def test_the_stub_scores_nothing_and_says_what_to_do(name, mark):
 @pytest.mark.parametrize("name", NAMES)
 def test_the_solution_scores_everything(name, mark):
     report = mark(name, SOURCES[name].solution())
+    assert report.earned == report.points == 20, report.text()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_checks_that_students_get_need_nothing_that_is_hidden(name, mark):
+    checks = types.ModuleType(f"{name}_checks")
+    exec(SOURCES[name].student_files()[f"{name}_checks.py"], checks.__dict__)
+    mark(name, SOURCES[name].solution())  # the module is there now
+    report = checks.check()
     assert report.earned == report.points == 20, report.text()
 
 

@@ -81,11 +81,10 @@ import numpy as np
 
 from meshfair import noise, shapes
 from meshfair_grading import expect
-from meshfair_grading.assignment import Assignment, Rules
+from meshfair_grading.assignment import Assignment, Graded, Rules
 
 ### BEGIN HIDDEN TESTS
 from meshfair_grading.meshes import disguised
-from meshfair_grading.outcomes import Graded
 
 ### END HIDDEN TESTS
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from meshfair import noise, shapes
 from meshfair_grading import expect
-from meshfair_grading.assignment import Assignment, Rules
+from meshfair_grading.assignment import Assignment, Graded, Rules
 
 check = Assignment(
     "a5",
