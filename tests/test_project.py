@@ -14,7 +14,6 @@ import yaml
 
 import conftest
 import meshfair
-from meshfair import _extras
 
 ROOT = Path(__file__).resolve().parent.parent
 LIB = ROOT / "lib"
@@ -148,7 +147,7 @@ def test_every_import_is_of_a_package_that_some_extra_installs():
 
 
 def test_a_missing_library_is_said_to_be_in_an_extra_that_installs_it():
-    for extra, modules in _extras.EXTRAS.items():
+    for extra, modules in checks.EXTRAS.items():
         packages = {DISTRIBUTIONS.get(name, name).lower() for name in modules}
         assert packages - {"polyscope_bindings"} <= requirements(extra), extra
 

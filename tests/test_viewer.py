@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from meshfair import MeshError, _extras, shapes, viewer
+from meshfair import MeshError, shapes, viewer
 from meshfair.viewer import Camera, View, coloring, frames, offscreen, window
 from meshfair.viewer.painter import paint
 from meshfair.viewer.panel import Panel, Scale
@@ -475,7 +475,7 @@ for use in (
         "an explorer needs anywidget",
     ]
     ends = [line.split("; run: ")[1] for line in said]
-    assert ends == [_extras.install(extra) for extra in ["viewer"] * 2 + ["notebooks"] * 3]
+    assert ends == [checks.install(extra) for extra in ["viewer"] * 2 + ["notebooks"] * 3]
 
 
 def test_without_polyscope_matplotlib_draws_and_says_why():
@@ -493,13 +493,13 @@ print(pixels.shape, pixels[15, 20, 3], *(warning.message for warning in caught))
         "polyscope",
     )
     assert said.startswith("(30, 40, 4) 255 polyscope is not installed, so meshes are drawn with")
-    assert said.rstrip().endswith(_extras.install("viewer"))
+    assert said.rstrip().endswith(checks.install("viewer"))
 
 
 def test_an_error_of_ours_is_not_called_a_missing_library():
     with (
         pytest.raises(ImportError, match="cannot import name") as caught,
-        _extras.needed_for("x"),
+        checks.needed_for("x"),
     ):
         from meshfair.viewer import nothing  # noqa: F401
     assert "install" not in str(caught.value)

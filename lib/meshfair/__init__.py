@@ -12,7 +12,7 @@ from meshfair.checks import MeshError, MeshWarning, StabilityWarning
 __version__ = "0.2.0"
 
 _ORDER = (
-    "checks", "_extras", "_fast", "mesh", "shapes", "io", "datasets", "noise", "metrics", "weights",
+    "checks", "_fast", "mesh", "shapes", "io", "datasets", "noise", "metrics", "weights",
     "intrinsic", "operators", "reference", "stability", "spectrum", "solve", "flow", "filters",
     "sure", "denoising", "experiments", "plotting", "viewer", "explorers", "cli",
 )  # fmt: skip

@@ -9,7 +9,8 @@ Conventions of the whole package:
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from numbers import Integral
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -30,6 +31,15 @@ LARGEST_COORDINATE = 1e75
 # a part of that edge: below it, rounding decides the normal and the cotangents.
 DEGENERATE = 1e-12
 
+EXTRAS = {
+    "viewer": {"PIL", "matplotlib", "polyscope", "polyscope_bindings"},
+    "notebooks": {"anywidget", "ipywidgets", "k3d", "traitlets"},
+    "data": {"pooch"},
+    "experiments": {"pandas", "tqdm"},
+    "grading": {"jinja2", "jupytext", "nbformat"},
+}
+"""Modules that are imported for some uses alone, by the extra that installs them."""
+
 
 class MeshError(ValueError):
     """Input that is no mesh; the message says what, where, and what to do."""
@@ -41,6 +51,10 @@ class MeshWarning(UserWarning):
 
 class StabilityWarning(UserWarning):
     """A time step past the bound up to which the flow is stable."""
+
+
+class NotInstalledError(ModuleNotFoundError):
+    """An optional library that is missing; the message says what to install."""
 
 
 def _array(values: ArrayLike, name: str, kinds: str, wanted: str) -> NDArray[Any]:
@@ -489,3 +503,35 @@ def _square(A: sparray | ArrayLike, name: str) -> csr_array:
     if isinstance(A, csr_array) and A.dtype == np.float64:
         return A
     return csr_array(A, dtype=np.float64)
+
+
+@contextmanager
+def needed_for(purpose: str) -> Iterator[None]:
+    """Import optional libraries in this block, or say in one sentence what to install.
+
+    Parameters
+    ----------
+    purpose : str
+        What needs them; the message's beginning.
+
+    Raises
+    ------
+    NotInstalledError
+        A library is missing, or does not load here.
+    """
+    try:
+        yield
+    except ImportError as error:
+        library = (error.name or "a library").split(".")[0]
+        if library == "meshfair":  # an error of ours, which no installation mends
+            raise
+        extra = next((name for name, modules in EXTRAS.items() if library in modules), "all")
+        reason = str(error).splitlines()[0]
+        raise NotInstalledError(
+            f"{purpose} needs {library} ({reason}); run: {install(extra)}", name=error.name
+        ) from None
+
+
+def install(extra: str) -> str:
+    """The command that installs the libraries of an extra."""
+    return f'pip install "meshfair[{extra}]"'

@@ -9,7 +9,7 @@ import shutil
 from pathlib import Path
 from typing import NamedTuple
 
-from meshfair._extras import needed_for
+from meshfair.checks import needed_for
 
 FOLDER_VARIABLE = "MESHFAIR_DATA"
 MIRROR_VARIABLE = "MESHFAIR_MIRROR"

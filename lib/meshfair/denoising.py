@@ -13,8 +13,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from meshfair import filters
-from meshfair._extras import needed_for
-from meshfair.checks import Floats, Integers, check_choice, check_mesh, check_same_vertices
+from meshfair.checks import (
+    Floats,
+    Integers,
+    check_choice,
+    check_mesh,
+    check_same_vertices,
+    needed_for,
+)
 from meshfair.filters.feature_convinced import fill_in, noise_by_lengths
 from meshfair.metrics import normal_angle, snr
 from meshfair.sure import SURE, noise_by_differences

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal
 
-from meshfair._extras import needed_for
+from meshfair.checks import needed_for
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -16,7 +16,7 @@ from importlib.metadata import entry_points
 from types import ModuleType
 
 from meshfair import __version__
-from meshfair._extras import NotInstalledError
+from meshfair.checks import NotInstalledError
 
 COMMANDS = ("info", "repair", "noise", "denoise", "compare", "doctor")
 # Other packages bring further ones as entry points of this group.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from meshfair import flow, metrics, spectrum
-from meshfair._extras import needed_for
+from meshfair.checks import needed_for
 from meshfair.experiments.meshes import load_mesh, load_noisy_mesh
 from meshfair.experiments.original import TAU, TIME, curves
 from meshfair.mesh import Edges, cluster, repair, unique_faces

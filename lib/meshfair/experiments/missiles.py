@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from meshfair import flow
-from meshfair._extras import needed_for
-from meshfair.checks import Booleans, Floats, Integers
+from meshfair.checks import Booleans, Floats, Integers, needed_for
 from meshfair.experiments.meshes import load_noisy_mesh
 from meshfair.experiments.original import TAU, TIME
 from meshfair.mesh import mean_edge_length

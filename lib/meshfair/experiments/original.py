@@ -16,8 +16,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from meshfair import flow, metrics
-from meshfair._extras import needed_for
-from meshfair.checks import Floats, Integers, check_choice
+from meshfair.checks import Floats, Integers, check_choice, needed_for
 from meshfair.experiments.meshes import load_noisy_mesh
 from meshfair.experiments.sweep import check_finished, sweep
 from meshfair.operators import averaging

@@ -8,8 +8,7 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from meshfair import denoising
-from meshfair._extras import needed_for
-from meshfair.checks import Floats, Integers
+from meshfair.checks import Floats, Integers, needed_for
 from meshfair.experiments.meshes import load_mesh, load_noisy_mesh
 from meshfair.experiments.missiles import JET, part_errors
 from meshfair.experiments.sweep import check_finished, sweep

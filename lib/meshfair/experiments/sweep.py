@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
-from meshfair._extras import needed_for
+from meshfair.checks import needed_for
 from meshfair.experiments.meshes import load_mesh
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ say, and shows the result. Its ``controls`` can be set by code, too:
 >>> explorer.controls["tau"].value = 0.5           # doctest: +SKIP
 """
 
-from meshfair._extras import needed_for
+from meshfair.checks import needed_for
 
 with needed_for("an explorer"):
     from meshfair.explorers.curves import CurvePlot

@@ -14,8 +14,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from meshfair._extras import install
-from meshfair.checks import check_choice, check_count, check_mesh, check_values
+from meshfair.checks import check_choice, check_count, check_mesh, check_values, install
 from meshfair.viewer.camera import FIELD_OF_VIEW, Camera
 from meshfair.viewer.painter import paint
 from meshfair.viewer.panel import LINES, SURFACE, Panel, Scale

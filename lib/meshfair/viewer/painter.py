@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from meshfair._extras import needed_for
+from meshfair.checks import needed_for
 from meshfair.mesh import face_normals
 from meshfair.viewer.camera import FIELD_OF_VIEW, Camera
 from meshfair.viewer.panel import LINES, SURFACE, Panel, Scale

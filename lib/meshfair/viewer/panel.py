@@ -6,8 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from meshfair._extras import needed_for
-from meshfair.checks import Floats, Integers, check_choice, check_range
+from meshfair.checks import Floats, Integers, check_choice, check_range, needed_for
 
 SURFACE = (0.55, 0.68, 0.86)  # the colour of a mesh without values
 LINES = (0.1, 0.15, 0.25)  # the colour of edges

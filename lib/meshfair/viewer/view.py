@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meshfair._extras import needed_for
 from meshfair.checks import (
     Floats,
     check_choice,
@@ -20,6 +19,7 @@ from meshfair.checks import (
     check_number,
     check_values,
     check_vertices,
+    needed_for,
 )
 from meshfair.viewer.backend import Backend
 from meshfair.viewer.camera import Camera

@@ -11,8 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meshfair._extras import needed_for
-from meshfair.checks import check_mesh, check_values
+from meshfair.checks import check_mesh, check_values, needed_for
 
 NO_SCREEN = (
     "there is no screen here to open a window on; in a notebook use meshfair.viewer.View, "
