@@ -193,7 +193,7 @@ def test_the_command_names_what_is_not_installed(meshfair, tmp_path, monkeypatch
     assert "notebooks/assignments/source/a2.py of the repository" in capsys.readouterr().err
     monkeypatch.setattr(command, "find_spec", lambda name: None if name == "jinja2" else name)
     assert meshfair("grade", *words) == 1
-    assert 'this needs jinja2; run: pip install "meshfair[grading]"' in capsys.readouterr().err
+    assert 'grading needs jinja2; run: pip install "meshfair[grading]"' in capsys.readouterr().err
 
 
 @pytest.mark.slow
