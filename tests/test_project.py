@@ -14,6 +14,7 @@ import yaml
 
 import conftest
 import meshfair
+from meshfair import checks
 
 ROOT = Path(__file__).resolve().parent.parent
 LIB = ROOT / "lib"

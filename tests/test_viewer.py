@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from meshfair import MeshError, shapes, viewer
+from meshfair import MeshError, checks, shapes, viewer
 from meshfair.viewer import Camera, View, coloring, frames, offscreen, window
 from meshfair.viewer.painter import paint
 from meshfair.viewer.panel import Panel, Scale
