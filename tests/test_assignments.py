@@ -6,6 +6,7 @@ import os
 import re
 import shutil
 import sys
+import types
 from pathlib import Path
 
 import pytest
@@ -54,15 +55,24 @@ def test_the_solution_scores_everything(name, mark):
     assert report.earned == report.points == 20, report.text()
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_the_checks_that_students_get_need_nothing_that_is_hidden(name, mark):
+    checks = types.ModuleType(f"{name}_checks")
+    exec(SOURCES[name].student_files()[f"{name}_checks.py"], checks.__dict__)
+    mark(name, SOURCES[name].solution())  # the module is there now
+    report = checks.check()
+    assert report.earned == report.points == 20, report.text()
+
+
 @pytest.mark.parametrize("path", WRONG, ids=lambda path: path.stem)
 def test_a_typical_mistake_gets_its_points_and_its_hint(path, mark):
     name, text = path.stem[:2], path.read_text(encoding="utf-8")
-    told = dict(re.findall(r"^# (task|points|hint): (.*)$", text, re.M))
+    expected = dict(re.findall(r"^# (task|points|hint): (.*)$", text, re.M))
     # The last definition of a function counts, so that the rest of the file is right.
-    report = mark(name, SOURCES[name].solution() + text, told["task"])
-    assert report.earned == float(told["points"]), report.text()
+    report = mark(name, SOURCES[name].solution() + text, expected["task"])
+    assert report.earned == float(expected["points"]), report.text()
     assert report.earned < report.points
-    assert any(told["hint"] in outcome.hint for outcome in report.outcomes), report.text()
+    assert any(expected["hint"] in outcome.hint for outcome in report.outcomes), report.text()
 
 
 def test_there_are_wrong_solutions_of_every_assignment():
@@ -73,8 +83,8 @@ def test_there_are_wrong_solutions_of_every_assignment():
 @pytest.mark.parametrize("name", NAMES)
 def test_headings_name_the_points_that_the_checks_give(name):
     text = SOURCES[name].path.read_text(encoding="utf-8")
-    told = re.findall(r"^# ## Task \d: `(\w+)` \((\d+) points\)$", text, re.M)
-    assert [(task, float(points)) for task, points in told] == list(LOADED[name].tasks.items())
+    headings = re.findall(r"^# ## Task \d: `(\w+)` \((\d+) points\)$", text, re.M)
+    assert [(task, float(points)) for task, points in headings] == list(LOADED[name].tasks.items())
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -137,9 +147,9 @@ def test_drift_is_found_and_repaired(tmp_path, capsys):
     stub.write_text(stub.read_text(encoding="utf-8") + "\n", encoding="utf-8")
     (tmp_path / "student" / "a3" / "a3.ipynb").unlink()
     assert main(["--assignments", str(tmp_path), "--check"]) == 1
-    told = capsys.readouterr().err
-    assert "a2/a2.py" in told
-    assert "a3/a3.ipynb" in told
+    shown = capsys.readouterr().err
+    assert "a2/a2.py" in shown
+    assert "a3/a3.ipynb" in shown
 
 
 @pytest.mark.parametrize(
@@ -153,35 +163,50 @@ def test_a_faulty_source_is_refused(text, message, tmp_path):
         Source.read(path)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", NAMES)
-def test_the_students_notebook_runs(name, tmp_path):
-    """In a kernel, from a fresh folder: with the stub, and after the solution was saved."""
+@pytest.fixture(scope="module")
+def in_kernel(tmp_path_factory):
+    """All that students get in one folder, and a client whose kernel runs there."""
     nbclient = pytest.importorskip("nbclient", reason="needs the notebooks extra")
     nbformat = pytest.importorskip("nbformat", reason="needs the notebooks extra")
     pytest.importorskip("ipykernel", reason="needs the notebooks extra")
-    for file, text in SOURCES[name].student_files().items():
-        (tmp_path / file).write_text(text, encoding="utf-8")
-    notebook = nbformat.read(tmp_path / f"{name}.ipynb", 4)
-    place = {"metadata": {"path": str(tmp_path)}}
-    client = nbclient.NotebookClient(notebook, timeout=120, resources=place)
+    folder = tmp_path_factory.mktemp("students")
+    for source in SOURCES.values():
+        for file, text in source.student_files().items():
+            (folder / file).write_text(text, encoding="utf-8")
+    client = nbclient.NotebookClient(
+        nbformat.v4.new_notebook(), timeout=120, resources={"metadata": {"path": str(folder)}}
+    )
     with client.setup_kernel():
-        errors, text, _ = run_all(client)
-        assert errors == set()
-        assert "0 of 20 points" in text
-        assert "is not done yet" in text
-        # The notebook loads it anew by itself, as it does for students.
-        (tmp_path / f"{name}.py").write_text(SOURCES[name].solution(), encoding="utf-8")
-        errors, text, pictures = run_all(client)
-        assert errors == set()
-        assert "20 of 20 points" in text
-        assert pictures >= 1
+        yield client, folder
+
+
+@pytest.mark.slow
+@pytest.mark.xdist_group("kernel")  # to start it once
+@pytest.mark.parametrize("name", NAMES)
+def test_the_students_notebook_runs(name, in_kernel):
+    """With the stub, and after the solution was saved."""
+    import nbformat
+
+    client, folder = in_kernel
+    client.nb = nbformat.read(folder / f"{name}.ipynb", 4)
+    # What another notebook has defined must not help this one.
+    client.nb.cells.insert(0, nbformat.v4.new_code_cell("%reset -f"))
+    errors, text, _ = run_all(client)
+    assert errors == set()
+    assert "0 of 20 points" in text
+    assert "is not done yet" in text
+    # The notebook loads it anew by itself, as it does for students.
+    (folder / f"{name}.py").write_text(SOURCES[name].solution(), encoding="utf-8")
+    errors, text, pictures = run_all(client)
+    assert errors == set()
+    assert "20 of 20 points" in text
+    assert pictures >= 1
 
 
 def run_all(client):
-    """Run all cells: errors shown (not those that were told in a line), texts, pictures."""
-    for place, cell in enumerate(client.nb.cells):
-        client.execute_cell(cell, place)
+    """Run all cells: errors shown (not those that are said in a line), texts, pictures."""
+    for index, cell in enumerate(client.nb.cells):
+        client.execute_cell(cell, index)
     outputs = [output for cell in client.nb.cells for output in cell.get("outputs", [])]
     shown = [output["data"] for output in outputs if "data" in output]
     errors = {output["ename"] for output in outputs if output["output_type"] == "error"}
@@ -206,8 +231,8 @@ def nbgrader_course(tmp_path, monkeypatch):
 def test_nbgrader_accepts_the_sources(nbgrader_course):
     interface, course = nbgrader_course
     for name in NAMES:
-        told = interface.generate_assignment(name)
-        assert told["success"], told["log"]
+        done = interface.generate_assignment(name)
+        assert done["success"], done["log"]
         released = json.loads((course / "release" / name / f"{name}.ipynb").read_text("utf-8"))
         code = "".join("".join(cell["source"]) for cell in released["cells"])
         assert "BEGIN SOLUTION" not in code
@@ -230,7 +255,7 @@ def nbgrader_points(interface, course, right, wrong):
     submission = course / "submitted" / "bela" / "a2" / "a2.ipynb"
     submission.parent.mkdir(parents=True)
     submission.write_text(json.dumps(release), "utf-8")
-    told = interface.autograde("a2", "bela")
-    assert told["success"], told["log"]
+    done = interface.autograde("a2", "bela")
+    assert done["success"], done["log"]
     with interface.gradebook as gradebook:
         return gradebook.find_submission("a2", "bela").score

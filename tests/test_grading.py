@@ -1,4 +1,4 @@
-"""Marking a class: hostile submissions, the walls around them, going on, feedback."""
+"""Marking a class: hostile submissions, their isolation, going on, feedback."""
 
 import csv
 import dataclasses
@@ -11,6 +11,8 @@ import subprocess
 import sys
 import threading
 import time
+import tomllib
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import numpy as np
@@ -19,44 +21,49 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.sparse import coo_array, csr_array
 
-from hand_ins import HOSTILE, RIGHT, SOURCE, build
+from meshfair import cli
 from meshfair.mesh import is_closed, volume
-from meshfair_grading import command, expect, marking, protocol
+from meshfair_grading import command, expect, generate, marking, protocol
 from meshfair_grading.answers import Answer, Failure, Other, Seeded, ask, plain
 from meshfair_grading.assignment import Assignment
 from meshfair_grading.feedback import Report
+from meshfair_grading.generate import ASSIGNMENTS
 from meshfair_grading.isolation import Isolation, Limits
 from meshfair_grading.marking import find, grade
 from meshfair_grading.meshes import unseen
 from meshfair_grading.outcomes import Graded, Outcome
 from meshfair_grading.rules import Rules, violations
 from meshfair_grading.students import IsolatedStudent
+from submissions import HOSTILE, RIGHT, SOURCE, build
 
 SEED = 99
+# A user's processes are counted together: what makes many of them runs one after the other.
+one_user = pytest.mark.xdist_group("processes")
 
 
 @pytest.fixture(scope="module")
-def walls():
+def isolation():
     """What holds on this system, with limits that do not let a test wait for long."""
     if os.name != "posix":
         pytest.skip("grading needs Linux or macOS")
-    return Isolation.detect(Limits(call=4.0, total=20.0))
+    return Isolation.detect(Limits(call=2.0, total=20.0))
 
 
-def run(walls, code, function="f", arguments=(), rules=None):
+def run(isolation, code, function="f", arguments=(), rules=None):
     """What one function of a submission answers."""
-    with IsolatedStudent(code.encode(), "a9", rules or Rules(), walls) as student:
+    with IsolatedStudent(code.encode(), "a9", rules or Rules(), isolation) as student:
         return student._ask(function, arguments)
 
 
 # --- A class ---------------------------------------------------------------------------
 
 
+@one_user
 @pytest.mark.slow
-def test_a_class_with_hostile_students_gets_its_marks(walls, tmp_path, monkeypatch):
-    expected = build(tmp_path / "submissions", len(HOSTILE) + 3)
+def test_a_class_with_hostile_students_gets_its_marks(isolation, tmp_path, monkeypatch):
+    expected = build(tmp_path / "submissions", len(HOSTILE) + 1)
     out = tmp_path / "grades.csv"
-    grade(tmp_path / "submissions", SOURCE, out, walls, seed=SEED)
+    grade(tmp_path / "submissions", SOURCE, out, isolation, seed=SEED)
 
     table = out.read_text()
     rows = {row["student"]: row for row in csv.DictReader(io.StringIO(table))}
@@ -74,7 +81,7 @@ def test_a_class_with_hostile_students_gets_its_marks(walls, tmp_path, monkeypat
 
     # A second run marks nobody again, and the table stays as it is.
     monkeypatch.setattr(marking, "mark", lambda *_: pytest.fail("marked again"))
-    grade(tmp_path / "submissions", SOURCE, out, walls, seed=SEED)
+    grade(tmp_path / "submissions", SOURCE, out, isolation, seed=SEED)
     assert out.read_text() == table
 
 
@@ -86,7 +93,7 @@ def fake_mark(submission, assignment, isolation, seed):
     )
 
 
-def test_an_interrupted_run_goes_on_where_it_stopped(tmp_path, walls, monkeypatch):
+def test_an_interrupted_run_goes_on_where_it_stopped(tmp_path, isolation, monkeypatch):
     done = []
 
     def counted(submission, *rest):
@@ -101,24 +108,24 @@ def test_an_interrupted_run_goes_on_where_it_stopped(tmp_path, walls, monkeypatc
         (submissions / f"s{number}" / "a2.py").write_text("#" * number)
 
     def interrupted(marks, total):
-        for place, one in enumerate(marks):
-            if place == 3:
+        for index, one in enumerate(marks):
+            if index == 3:
                 raise KeyboardInterrupt
             yield one
 
     with pytest.raises(KeyboardInterrupt):
-        grade(submissions, SOURCE, tmp_path / "a.csv", walls, progress=interrupted, jobs=1)
+        grade(submissions, SOURCE, tmp_path / "a.csv", isolation, progress=interrupted, jobs=1)
     first = len((tmp_path / "a.csv").read_text().splitlines()) - 1
     assert first == 3
     done.clear()
     (submissions / "s0" / "a2.py").write_text("changed")
-    grade(submissions, SOURCE, tmp_path / "a.csv", walls, jobs=1)
+    grade(submissions, SOURCE, tmp_path / "a.csv", isolation, jobs=1)
     assert "s0" in done
     assert len(done) == 8 - first + 1
-    grade(submissions, SOURCE, tmp_path / "b.csv", walls, jobs=2)
+    grade(submissions, SOURCE, tmp_path / "b.csv", isolation, jobs=2)
     assert (tmp_path / "a.csv").read_text() == (tmp_path / "b.csv").read_text()
     done.clear()
-    grade(submissions, SOURCE, tmp_path / "b.csv", walls, seed=5)
+    grade(submissions, SOURCE, tmp_path / "b.csv", isolation, seed=5)
     assert len(done) == 8
 
 
@@ -132,7 +139,8 @@ def test_a_broken_record_is_marked_again(tmp_path):
     assert book.known("anna", "key") is None
 
 
-def test_nobody_is_marked_by_checks_that_the_solution_fails(walls, tmp_path):
+@pytest.mark.slow
+def test_nobody_is_marked_by_checks_that_the_solution_fails(isolation, tmp_path):
     text = SOURCE.path.read_text(encoding="utf-8").replace(
         "cotangent / 2, (i, j)", "cotangent, (i, j)"
     )
@@ -140,14 +148,56 @@ def test_nobody_is_marked_by_checks_that_the_solution_fails(walls, tmp_path):
     (tmp_path / "in" / "anna").mkdir(parents=True)
     (tmp_path / "in" / "anna" / "a2.py").write_text(RIGHT)
     with pytest.raises(ValueError, match="the solution itself gets only 18 of 20"):
-        grade(tmp_path / "in", type(SOURCE).read(tmp_path / "a2.py"), tmp_path / "g.csv", walls)
+        grade(tmp_path / "in", type(SOURCE).read(tmp_path / "a2.py"), tmp_path / "g.csv", isolation)
     assert not (tmp_path / "g_feedback" / "anna.md").exists()
 
 
-@pytest.mark.slow
-def test_the_command_marks_the_open_assignment_and_ranks(tmp_path, capsys):
-    from meshfair.cli import main
+# --- The command -------------------------------------------------------------------------
 
+
+@pytest.fixture
+def meshfair(monkeypatch):
+    """The command line with the entry points of pyproject.toml, installed or not."""
+    text = (ASSIGNMENTS.parents[1] / "pyproject.toml").read_text(encoding="utf-8")
+    declared = tomllib.loads(text)["project"]["entry-points"][cli.GROUP]
+    points = [EntryPoint(name, module, cli.GROUP) for name, module in declared.items()]
+    monkeypatch.setattr(cli, "entry_points", lambda group: points if group == cli.GROUP else [])
+    return lambda *words: cli.main([str(word) for word in words])
+
+
+@pytest.mark.parametrize(
+    ("submissions", "assignment", "message"),
+    [
+        ("no", "a5", "no is no folder"),
+        ("in", "a9", "there is no assignment a9; there are a1, a2, a3, a4, a5"),
+        ("in", "no.py", "there is no file no.py"),
+        ("in", __file__, "no instructor's file"),
+    ],
+)
+def test_what_the_command_cannot_do_it_says_in_a_line(
+    submissions, assignment, message, meshfair, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.setattr(Isolation, "detect", classmethod(lambda cls, limits: cls(limits)))
+    (tmp_path / "in").mkdir()
+    words = tmp_path / submissions, "--assignment", assignment, "--out", tmp_path / "g.csv"
+    assert meshfair("grade", *words) == 1
+    shown = capsys.readouterr().err.splitlines()
+    assert message in shown[-1]
+    assert not (tmp_path / "g.csv").exists()
+
+
+def test_the_command_names_what_is_not_installed(meshfair, tmp_path, monkeypatch, capsys):
+    words = tmp_path, "--assignment", "a2", "--out", tmp_path / "g.csv"
+    monkeypatch.setattr(generate, "ASSIGNMENTS", tmp_path / "site-packages")
+    assert meshfair("grade", *words) == 1
+    assert "notebooks/assignments/source/a2.py of the repository" in capsys.readouterr().err
+    monkeypatch.setattr(command, "find_spec", lambda name: None if name == "jinja2" else name)
+    assert meshfair("grade", *words) == 1
+    assert 'grading needs jinja2; run: pip install "meshfair[grading]"' in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_the_command_marks_the_open_assignment_and_ranks(meshfair, tmp_path, capsys):
     submissions = tmp_path / "in"
     submissions.mkdir()
     averaged = "from meshfair import operators, weights\n\n\ndef denoise(V, F):\n" + (
@@ -156,19 +206,16 @@ def test_the_command_marks_the_open_assignment_and_ranks(tmp_path, capsys):
     (submissions / "bela.py").write_text(averaged)
     (submissions / "carl.py").write_text("def denoise(V, F):\n    return -V\n")
     out = tmp_path / "grades.csv"
-    assert main(["grade", str(submissions), "--assignment", "a5", "--out", str(out)]) == 0
+    assert meshfair("grade", submissions, "--assignment", "a5", "--out", out) == 0
     rows = {row["student"]: row for row in csv.DictReader(io.StringIO(out.read_text()))}
     assert 4 < float(rows["bela"]["denoise"]) < 10
     assert float(rows["carl"]["denoise"]) == 0
     assert float(rows["bela"]["leaderboard"]) > 0.2
     board = (tmp_path / "grades_feedback" / "leaderboard.md").read_text()
     assert board.index("bela") < board.index("carl")
-    told = capsys.readouterr()
-    assert "2 submissions" in told.out
-    assert "network" in told.err
-    assert main(["grade", str(tmp_path / "no"), "--assignment", "a5", "--out", str(out)]) == 1
-    assert "no folder" in capsys.readouterr().err
-    assert command.__doc__
+    shown = capsys.readouterr()
+    assert "2 submissions" in shown.out
+    assert "network" in shown.err
 
 
 # --- What is handed in -----------------------------------------------------------------
@@ -195,74 +242,136 @@ def test_submissions_are_found_in_every_layout(tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["nothing", "link", "large"])
-def test_what_cannot_be_read_is_named(kind, tmp_path, walls):
+def test_what_cannot_be_read_is_named(kind, tmp_path, isolation):
     path = tmp_path / "a2.py"
     if kind == "link":
         path.symlink_to("/etc/passwd")
     elif kind == "large":
         path.write_bytes(b"#" * 2_000_000)
     submission = marking.Submission("anna", None if kind == "nothing" else path)
-    mark = marking.mark(submission, SOURCE.load(), walls, SEED)
-    told = {"nothing": "nothing handed in", "link": "regular file", "large": "more than 1 MB"}
-    assert told[kind] in mark.status
+    mark = marking.mark(submission, SOURCE.load(), isolation, SEED)
+    why = {"nothing": "nothing handed in", "link": "regular file", "large": "more than 1 MB"}
+    assert why[kind] in mark.status
     assert sum(outcome.earned for outcome in mark.outcomes) == 0
 
 
-# --- The walls -------------------------------------------------------------------------
+# --- Isolation ---------------------------------------------------------------------------
 
 
-def test_the_child_sees_no_secret(walls, monkeypatch):
-    monkeypatch.setenv("TOKEN_OF_THE_TEACHER", "secret")
-    code = """
+PROBES = """
 import numpy as np
-os = __import__("os")
+os, socket, time = __import__("os"), __import__("socket"), __import__("time")
 
-def f(path):
-    if path == 0:
-        return len([name for name in os.environ if "TOKEN" in name])
-    if path == 1:
-        return len(os.listdir(os.environ["HOME"]))
+def names_in_the_environment():
+    return len([name for name in os.environ if "TOKEN" in name])
+
+def files_at_home():
+    return len(os.listdir(os.environ["HOME"]))
+
+def read():
+    open("SOURCE").read()
+
+def write_here():
+    return open("here", "w").write("x")
+
+def write_there():
+    open("FOLDER/there", "w").write("x")
+
+def connect(port):
+    socket.create_connection(("127.0.0.1", port), 2).close()
+
+def change(a, b):
+    b += 1
+    return a
+
+def draw(rng):
+    return rng.random(3)
+
+def fork():
+    made = []
     try:
-        open("SOURCE").read()
-    except PermissionError:
-        return -1
-    return 1
-""".replace("SOURCE", str(SOURCE.path))
-    assert run(walls, code, arguments=[0]).value == 0
-    assert run(walls, code, arguments=[1]).value <= 2  # the file itself, and numba's folder
-    if not walls.confined:
-        pytest.skip("no Landlock on this system: files cannot be hidden")
-    assert run(walls, code, arguments=[2]).value == -1
-
-
-def test_the_child_writes_nowhere_but_in_its_folder(walls, tmp_path):
-    if not walls.confined:
-        pytest.skip("no Landlock on this system: files cannot be protected")
-    tmp_path.chmod(0o777)
-    code = f"""
-def f():
-    open("here", "w").write("x")
-    open("{tmp_path}/there", "w").write("x")
+        while len(made) < 200:
+            child = os.fork()
+            if child == 0:
+                time.sleep(60)
+            made.append(child)
+    except OSError:
+        pass
+    for child in made:
+        os.kill(child, 9)
+        os.waitpid(child, 0)
+    return len(made)
 """
-    assert "PermissionError" in run(walls, code).failure.message
-    assert not list(tmp_path.iterdir())
 
 
-def test_the_child_has_no_network(walls):
-    if not walls.namespaces:
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder that everybody may write to."""
+    folder = tmp_path_factory.mktemp("theirs")
+    folder.chmod(0o777)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def probe(isolation, folder):
+    """One process for all tests that leave it alive: ``probe(function, *arguments)``."""
+    code = PROBES.replace("SOURCE", str(SOURCE.path)).replace("FOLDER", str(folder))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("TOKEN_OF_THE_TEACHER", "secret")
+        with IsolatedStudent(code.encode(), "a9", Rules(), isolation) as student:
+            yield lambda name, *arguments: student._ask(name, arguments)
+
+
+@pytest.mark.slow
+def test_the_child_sees_no_secret(isolation, probe):
+    assert probe("names_in_the_environment").value == 0
+    assert 1 <= probe("files_at_home").value <= 2  # the file itself, and numba's folder
+    if not isolation.confined:
+        pytest.skip("no Landlock on this system: files cannot be hidden")
+    assert "PermissionError" in probe("read").failure.message
+
+
+@pytest.mark.slow
+def test_the_child_writes_nowhere_but_in_its_folder(isolation, probe, folder):
+    if not isolation.confined:
+        pytest.skip("no Landlock on this system: files cannot be protected")
+    assert probe("write_here").value == 1
+    assert "PermissionError" in probe("write_there").failure.message
+    assert not list(folder.iterdir())
+
+
+@pytest.mark.slow
+def test_the_child_has_no_network(isolation, probe):
+    if not isolation.namespaces:
         pytest.skip("no namespaces on this system: the network cannot be cut off")
     with socket.create_server(("127.0.0.1", 0)) as server:
-        code = f"""
-socket = __import__("socket")
-
-def f():
-    socket.create_connection(("127.0.0.1", {server.getsockname()[1]}), 2).close()
-"""
-        assert "raised" in run(walls, code).failure.kind
+        address = server.getsockname()
+        socket.create_connection(address, 2).close()  # we can
+        refused = probe("connect", address[1]).failure
+    assert "PermissionError" in refused.message or "unreachable" in refused.message
 
 
-def test_no_process_survives(walls):
-    if not walls.namespaces:
+@one_user
+@pytest.mark.slow
+def test_the_number_of_processes_is_limited(isolation, probe):
+    assert 0 < probe("fork").value <= isolation.limits.processes
+
+
+@pytest.mark.slow
+def test_changed_arguments_are_reported(probe):
+    assert probe("change", np.ones(3), np.ones(3)).changed == (1,)
+
+
+@pytest.mark.slow
+def test_a_generator_arrives_as_a_generator(probe):
+    value = probe("draw", Seeded(4)).value
+    np.testing.assert_array_equal(value, np.random.default_rng(4).random(3))
+
+
+@one_user
+@pytest.mark.slow
+def test_no_process_survives(isolation):
+    if not isolation.namespaces:
         pytest.skip("no namespaces on this system: a process that leaves its group survives")
     code = """
 os, time = __import__("os"), __import__("time")
@@ -275,7 +384,7 @@ def f():
     return 0
 """
     # A limit that no other test has marks the command line.
-    marked = dataclasses.replace(walls, limits=dataclasses.replace(walls.limits, files=61))
+    marked = dataclasses.replace(isolation, limits=dataclasses.replace(isolation.limits, files=61))
     with IsolatedStudent(code.encode(), "a9", Rules(), marked) as student:
         assert student.f() == 0
         assert len(command_lines(b'"files": 61')) >= 4
@@ -296,27 +405,10 @@ def command_lines(part):
     return [line for line in lines if part in line]
 
 
-def test_the_number_of_processes_is_limited(walls):
-    code = """
-os, time = __import__("os"), __import__("time")
-
-def f():
-    made = 0
-    try:
-        while made < 200:
-            if os.fork() == 0:
-                time.sleep(60)
-            made += 1
-    except OSError:
-        pass
-    return made
-"""
-    assert run(walls, code).value <= walls.limits.processes
-
-
-def test_a_dead_process_costs_only_the_function_that_killed_it(walls):
+@pytest.mark.slow
+def test_a_dead_process_costs_only_the_function_that_killed_it(isolation):
     code = "def f():\n    __import__('os')._exit(3)\n\n\ndef g():\n    return 5\n"
-    with IsolatedStudent(code.encode(), "a9", Rules(), walls) as student:
+    with IsolatedStudent(code.encode(), "a9", Rules(), isolation) as student:
         with pytest.raises(expect.WrongAnswerError, match="exit code 3"):
             student.f()
         assert student.g() == 5
@@ -324,13 +416,15 @@ def test_a_dead_process_costs_only_the_function_that_killed_it(walls):
             student.f()
 
 
-def test_an_endless_loop_on_loading_is_named(walls):
-    slow = dataclasses.replace(walls, limits=dataclasses.replace(walls.limits, call=1.5))
+@pytest.mark.slow
+def test_an_endless_loop_on_loading_is_named(isolation):
+    slow = dataclasses.replace(isolation, limits=dataclasses.replace(isolation.limits, call=0.5))
     answer = run(slow, "while True:\n    pass\n")
-    assert "longer than 1.5 s" in answer.failure.message
+    assert "longer than 0.5 s" in answer.failure.message
 
 
-def test_rubbish_on_the_channel_is_no_answer(walls):
+@pytest.mark.slow
+def test_an_invalid_message_is_no_answer(isolation):
     code = """
 os = __import__("os")
 
@@ -342,27 +436,17 @@ def f():
             pass
     return 1
 """
-    assert "disturbed its channel" in run(walls, code).failure.message
+    assert "disturbed its channel" in run(isolation, code).failure.message
 
 
-def test_changed_arguments_are_reported(walls):
-    code = "def f(a, b):\n    b += 1\n    return a\n"
-    answer = run(walls, code, arguments=[np.ones(3), np.ones(3)])
-    assert answer.changed == (1,)
-
-
-def test_a_generator_arrives_as_a_generator(walls):
-    value = run(walls, "def f(rng):\n    return rng.random(3)\n", arguments=[Seeded(4)]).value
-    np.testing.assert_array_equal(value, np.random.default_rng(4).random(3))
-
-
-def test_the_description_names_every_wall(walls):
-    told = "\n".join(walls.describe())
-    for word in ("network", "files", "user", "processes", "limits"):
-        assert word in told
-    open_walls = "\n".join(Isolation().describe())
-    assert "NOT cut off" in open_walls
-    assert "NOT confined" in open_walls
+def test_the_description_names_every_restriction(isolation):
+    lines = isolation.describe()
+    assert [line.partition(":")[0] for line in lines] == [
+        "network", "files", "user", "processes", "limits",
+    ]  # fmt: skip
+    without = "\n".join(Isolation().describe())
+    assert "NOT cut off" in without
+    assert "NOT confined" in without
 
 
 # --- Plain data ------------------------------------------------------------------------
@@ -493,8 +577,8 @@ def test_failures_name_the_line_of_the_student(tmp_path):
     path.write_text("def f(x):\n    y = 1 / x\n    return y\n")
     namespace = {}
     exec(compile(path.read_text(), str(path), "exec"), namespace)
-    told = ask(namespace["f"], [0], str(path)).failure
-    assert told == Failure("raised", "ZeroDivisionError: division by zero", 2, "y = 1 / x")
+    failure = ask(namespace["f"], [0], str(path)).failure
+    assert failure == Failure("raised", "ZeroDivisionError: division by zero", 2, "y = 1 / x")
 
 
 # --- Comparisons -----------------------------------------------------------------------
@@ -621,14 +705,19 @@ def test_feedback_cannot_be_markup():
     report = Report("r", [Outcome("f", "t", 1, 0, "wrong", hint=evil, got=evil)], [evil], evil)
     assert "<script>" not in report.page()
     assert "\x1b" not in report.page()
-    lines = [line for line in report.markdown().splitlines() if not line.startswith("    ")]
-    assert "<script>" not in "\n".join(lines)
-    assert "[x](" not in "\n".join(lines)
+    text, printed = report.markdown().split("## What the code printed\n")
+    assert text.count("alert(1)") == 3  # remark, answer and hint are there
+    for markup in ("<script>", "[x](", "\x1b"):
+        assert markup not in text
+    # What was printed stands indented: as code, in which nothing is markup.
+    assert all(line.startswith("    ") for line in printed.splitlines() if line)
     assert "0 of 1 points" in repr(report)
 
 
 def test_importing_the_command_is_quick():
-    """The teacher's ``--help`` must not wait for SciPy."""
-    code = "import sys, meshfair_grading.command; sys.exit('scipy' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code]).returncode == 0
-    assert Path(command.__file__).exists()
+    """The teacher's ``--help`` must not wait for any of this."""
+    code = "import sys, meshfair_grading.command; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = set(done.stdout.split())
+    assert "meshfair_grading" in loaded
+    assert loaded.isdisjoint({"numpy", "scipy", "jupytext", "jinja2", "tqdm"})

@@ -15,12 +15,13 @@ in the teacher's process, send it meshes that the student has not seen.
 ``rules``       which imports and calls an assignment allows
 ``meshes``      the meshes that students have not seen
 ``protocol``    plain data between the two processes
-``isolation``   limits, namespaces: the walls around the other process
+``isolation``   limits and namespaces of the other process
 ``landlock``    which files it may read and write
 ``child``       what runs inside
 ``marking``     a whole class: in parallel, going on where it stopped
 ``feedback``    the report as text, Markdown and HTML
 ``notebook``    pictures of a student's result
 ``generate``    ``python -m meshfair_grading.generate``
+``command``     ``meshfair grade``
 ==============  ==========================================================
 """

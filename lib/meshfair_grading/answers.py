@@ -54,7 +54,7 @@ class Failure:
 
 @dataclass(frozen=True)
 class Answer:
-    """What became of one call."""
+    """The result of one call."""
 
     value: Any = None
     """ndarray, csr_array, `Other`, None, or a list of these."""
@@ -64,7 +64,7 @@ class Answer:
 
 
 def ask(function: Callable[..., Any], arguments: Sequence[Any], file: str) -> Answer:
-    """Call a student's function on copies, and take down what comes.
+    """Call a student's function on copies, and record what it returns.
 
     Parameters
     ----------

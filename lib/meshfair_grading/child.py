@@ -45,7 +45,7 @@ def main(descriptor: int, limits: dict[str, int], user: int | None) -> None:
     if user is not None:
         privileges.become(user, keep_reading=confined)
     _limit(limits)
-    # Walls that hide Python from itself show here, not in a student's marks.
+    # Restrictions that hide Python from itself show here, not in a student's marks.
     importlib.import_module("colorsys")
     protocol.send(channel, {"confined": confined})
     request = protocol.receive(channel)

@@ -44,11 +44,15 @@ def run(options: argparse.Namespace) -> int:
     Raises
     ------
     ValueError
-        A library is missing, or the assignment, or the submissions.
+        No such assignment, or no submissions.
+    NotInstalledError
+        A library is missing.
     """
+    from meshfair.checks import NotInstalledError, install
+
     missing = [name for name in NEEDED if find_spec(name) is None]
     if missing:  # now, and not after the first student
-        raise ValueError(f'this needs {", ".join(missing)}; run: pip install "meshfair[grading]"')
+        raise NotInstalledError(f"grading needs {', '.join(missing)}; run: {install('grading')}")
 
     from tqdm import tqdm
 

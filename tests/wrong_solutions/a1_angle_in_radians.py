@@ -4,5 +4,5 @@
 import numpy as np
 
 
-def normal_angle(N, N_clean):
-    return np.arccos(np.clip((N * N_clean).sum(axis=1), -1, 1)).mean()
+def normal_angle(N, N_true):
+    return np.arccos(np.clip((N * N_true).sum(axis=1), -1, 1)).mean()

@@ -328,7 +328,7 @@ check("regularise")
 
 # %% module
 def regularise_fixed(V, L, lam, fixed):
-    """As regularise, with the vertices of a boolean mask (n,) held in place.
+    """As regularise, with the vertices of a boolean mask (n,) fixed.
 
     Returns
     -------
@@ -352,7 +352,7 @@ def fixed_vertices_stay(student, V, F):
     moved = np.linalg.norm(X - V, axis=1)
     hint = "Fixed vertices have moved."
     if not moved[~fixed].any():
-        hint = "The free vertices stayed where the fixed ones should: `fixed` is True where held."
+        hint = "The free vertices stayed instead: `fixed` is True for those that must not move."
     expect.that(
         not moved[fixed].any() and moved[~fixed].all(),
         hint,

@@ -57,7 +57,7 @@ def snr(V, V_noisy):
     raise NotImplementedError
 
 
-def normal_angle(N, N_clean):
+def normal_angle(N, N_true):
     """Mean angle between two arrays of unit normals, in degrees.
 
     Returns

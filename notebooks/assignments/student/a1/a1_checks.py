@@ -267,9 +267,9 @@ def pairs_of_normals(seed):
 
 
 @check.part("normal_angle", 2, pairs_of_normals)
-def normal_angle_is_right(student, N, N_clean):
+def normal_angle_is_right(student, N, N_true):
     """The mean, in degrees."""
-    angles = np.arccos(np.clip((N * N_clean).sum(axis=1), -1, 1))
+    angles = np.arccos(np.clip((N * N_true).sum(axis=1), -1, 1))
     mistakes = [
         ("The angle is in radians: np.arccos gives radians, np.degrees converts.", angles.mean()),
         ("This is the sum of the angles, not their mean.", np.degrees(angles.sum())),
@@ -279,12 +279,12 @@ def normal_angle_is_right(student, N, N_clean):
         ),
         ("This is the mean of the cosines: np.arccos is missing.", np.cos(angles).mean()),
     ]
-    got = student.normal_angle(N, N_clean)
+    got = student.normal_angle(N, N_true)
     expect.close(got, np.degrees(angles).mean(), "the angle", mistakes=mistakes)
 
 
 @check.part("normal_angle", 1, pairs_of_normals)
-def normal_angle_of_equal_normals(student, N, N_clean):
+def normal_angle_of_equal_normals(student, N, N_true):
     """Zero for equal normals, whatever the rounding."""
     got = expect.number(student.normal_angle(N, N), "the angle")
     expect.that(abs(got) < 1e-4, "Equal normals make no angle.", expected="0", got=f"{got:.3g}")

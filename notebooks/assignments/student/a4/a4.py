@@ -40,7 +40,7 @@ def regularise(V, L, lam):
 
 
 def regularise_fixed(V, L, lam, fixed):
-    """As regularise, with the vertices of a boolean mask (n,) held in place.
+    """As regularise, with the vertices of a boolean mask (n,) fixed.
 
     Returns
     -------

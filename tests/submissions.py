@@ -1,6 +1,6 @@
 """A class of submissions to assignment a2, some of them hostile; its marking, measured.
 
-``python tests/hand_ins.py 100`` marks a class of 100 with two at a time, and
+``python tests/submissions.py 100`` marks a class of 100 with two at a time, and
 says how long it took and whether everybody got the right mark.
 """
 
@@ -49,7 +49,7 @@ HOSTILE = {
     "fork_bomb": (
         "os = __import__('os')\n"
         "def averaging(W):\n    while True:\n        try:\n            os.fork()\n"
-        "        except OSError:\n            pass\n",
+        "        except OSError:\n            __import__('time').sleep(0.1)\n",
         17,
         "ran out of time",
     ),
@@ -101,10 +101,10 @@ def build(folder, students):
     names = [*HOSTILE, *(f"good_{number:03}" for number in range(students - len(HOSTILE)))]
     for name in names:
         code, points, phrase = HOSTILE.get(name, ("", 20, "20 of 20 points"))
-        place = folder / name / "a2.py"
-        place.parent.mkdir(parents=True)
+        path = folder / name / "a2.py"
+        path.parent.mkdir(parents=True)
         # Latin-1 makes the one file with an accent wrong UTF-8.
-        place.write_bytes(f"{RIGHT}\n\n{code}\n# {name}\n".encode("latin-1"))
+        path.write_bytes(f"{RIGHT}\n\n{code}\n# {name}\n".encode("latin-1"))
         expected[name] = float(points), phrase
     return expected
 
