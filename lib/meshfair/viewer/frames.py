@@ -53,9 +53,8 @@ class Frames:
         self._rough: set[int] = set()  # panels of which the page shows a draft
         # Time at which the frame on its way was begun.
         self._sent: float | None = None
-        self._layout: dict[str, Any] | None = (
-            None  # the page's: panel size, pixel ratio, background
-        )
+        # The page's: panel size, pixel ratio, background.
+        self._layout: dict[str, Any] | None = None
         self.drawn = 0  # number of frames drawn so far
         self.widget = FramesWidget(count=len(view.panels))
         self.widget.on_msg(self._receive)
