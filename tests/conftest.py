@@ -27,6 +27,13 @@ def pytest_collection_modifyitems(items):
             item.add_marker(pytest.mark.slow)
 
 
+def pytest_ignore_collect(collection_path, config):
+    # Files of which nothing would run need not be imported.
+    if config.option.markexpr == "not slow" and collection_path.stem in SLOW:
+        return True
+    return None
+
+
 @pytest.fixture
 def rng():
     """Random numbers, the same in every run."""

@@ -209,7 +209,7 @@ def test_the_number_of_cores_changes_no_digit(monkeypatch):
 
     # More rows than a block of the loops has.
     V, F = noisy(lambda: shapes.torus(sections=100, sides=50))
-    monkeypatch.setattr("meshfair._fast.wanted", lambda rows: True)
+    monkeypatch.setattr("meshfair._fast.wanted", lambda *_: True)
 
     def run():
         return [X for name in OF_LOOPS for _, X in ALL[name](V, F)][-1]
