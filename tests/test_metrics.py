@@ -139,3 +139,26 @@ def test_compare_goes_vertex_by_vertex_only_where_all_agrees():
     more_vertices = metrics.compare(np.concatenate([V, V[:1]]), F, V, F)
     assert more_vertices["snr"] is more_vertices["normal_angle"] is None
     assert more_vertices["surface_distance"] == pytest.approx(0, abs=1e-7)
+
+
+def test_positions_that_are_none_are_refused_in_either_mesh():
+    V, F = shapes.icosphere(1)
+    bad = V.copy()
+    bad[3, 2] = np.inf
+    for call in (
+        lambda: metrics.surface_distance(bad, V, F),
+        lambda: metrics.surface_distance(V, bad, F),
+        lambda: metrics.hausdorff(bad, F, V, F),
+        lambda: metrics.hausdorff(V, F, bad, F),
+        lambda: metrics.compare(bad, F, V, F),
+        lambda: metrics.compare(V, F, bad, F),
+    ):
+        with pytest.raises(MeshError, match="vertex 3 has z = inf"):
+            call()
+
+
+@pytest.mark.parametrize("metric", [metrics.volume_change, metrics.area_change])
+def test_changes_need_the_same_vertices(metric):
+    V, F = shapes.icosphere(1)
+    with pytest.raises(MeshError, match="has 43 vertices but V_true has 42"):
+        metric(np.concatenate([V, V[:1]]), V, F)
