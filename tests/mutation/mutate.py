@@ -20,6 +20,7 @@ import importlib.machinery
 import importlib.util
 import json
 import os
+import resource
 import signal
 import sys
 import tempfile
@@ -51,6 +52,7 @@ FILES = (
     "weights",
 )  # fmt: skip
 LEAST = 0.95
+MEMORY = 6 * 2**30
 SURVIVED, KILLED, BROKEN = 0, 1, 2
 
 
@@ -122,7 +124,7 @@ def run_all(planted: list, tests: dict, jobs: int) -> list[int]:
                 outcomes[k] = SURVIVED
                 continue
             child = fork(lambda m=module, x=mutant, c=concerned: run_tests(c, m, x))
-            running[child] = k, time.monotonic() + 20 + 10 * sum(concerned.values())
+            running[child] = k, time.monotonic() + 10 + 4 * sum(concerned.values())
         for child, (k, deadline) in list(running.items()):
             finished, status = os.waitpid(child, os.WNOHANG)
             if not finished and time.monotonic() > deadline:  # an endless loop is found, too
@@ -148,6 +150,7 @@ def fork(work) -> int:
     code = BROKEN
     try:
         os.setpgid(0, 0)
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))  # what grows without end fails
         nothing = os.open(os.devnull, os.O_RDWR)
         for descriptor in (0, 1, 2):
             os.dup2(nothing, descriptor)
