@@ -209,7 +209,7 @@ def _iterative(A: csr_array, B: Floats, X: Floats, tolerance: float) -> tuple[Fl
         return X, f"the iteration stopped after {steps} steps and"
     inverse = diags_array(1 / diagonal)
     columns = [
-        cg(A, b, x, rtol=tolerance / 2, maxiter=10 * len(B), M=inverse)[0]
+        cg(A, b, x, rtol=tolerance / 2, maxiter=2 * len(B), M=inverse)[0]
         for b, x in zip(B.T, X.T, strict=True)
     ]
     return np.column_stack(columns), "the iteration"
