@@ -306,8 +306,17 @@ def test_a_flow_may_end_before_its_time():
     V, F = noisy_box()
     progress = [p for p, _ in filters.heat(V, F, tau=0.2, time=0.5)]
     np.testing.assert_allclose(progress, [0.4, 0.8])
-    progress = [p for p, _ in filters.heat(V, F, tau=0.1, time=0.3)]
-    assert progress[-1] == 1
+    for time in (0.3, 0.3 - 1e-13):  # rounding gives the last step, and progress ends at 1
+        progress = [p for p, _ in filters.heat(V, F, tau=0.1, time=time)]
+        assert len(progress) == 3
+        assert progress[-1] == 1
+
+
+def test_a_vertex_without_faces_changes_nothing():
+    V, F = noisy_box()
+    expected = result(filters.regularised, V, F, order=2)
+    found = result(filters.regularised, np.concatenate([V, [[9.0, 9, 9]]]), F, order=2)
+    np.testing.assert_allclose(found, [*expected, [9, 9, 9]], rtol=1e-9)
 
 
 # --- L0's edge operator.
@@ -517,6 +526,7 @@ def test_candidates_are_bent_by_more_than_the_cosine_says():
 REFUSED = [
     ("averaging", "iterations", -1),
     ("heat", "tau", 0),
+    ("heat", "tau", -0.2),
     ("heat", "time", -1),
     ("taubin", "lam", 0),
     ("taubin", "lam", 1.01),
@@ -639,6 +649,21 @@ def test_the_boundary_is_fixed_unless_one_asks(name):
     found = result(ALL[name], V, F, fixed=[5], fix_boundary=False)
     assert (found != V)[rim].any(axis=1).all()
     np.testing.assert_array_equal(found[5], V[5])
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_lists_are_meshes(name):
+    V, F = noisy_grid()
+    found = result(ALL[name], V.tolist(), F.tolist())
+    np.testing.assert_array_equal(found, result(ALL[name], V, F))
+    assert noise_by_lengths(V.tolist(), F.tolist()) == noise_by_lengths(V, F)
+
+
+@pytest.mark.parametrize("kind", ["combinatorial", "distance"])
+def test_a_mesh_that_is_one_point_stays(kind):
+    V, F = np.ones((3, 3)), [[0, 1, 2]]  # it has no length to measure steps in
+    for method in (filters.implicit, filters.regularised):
+        np.testing.assert_array_equal(result(method, V, F, weights=kind), V)
 
 
 # --- Keeping the volume.
