@@ -70,7 +70,7 @@ def _array(values: ArrayLike, name: str, kinds: str, wanted: str) -> NDArray[Any
     return array
 
 
-def check_vertices(V: ArrayLike, name: str = "V") -> Floats:
+def check_vertices(V: ArrayLike, name: str = "V", *, values: bool = True) -> Floats:
     """Validate vertex positions.
 
     Parameters
@@ -79,6 +79,8 @@ def check_vertices(V: ArrayLike, name: str = "V") -> Floats:
         Vertex positions, in any unit of length.
     name : str
         What the message calls the array.
+    values : bool
+        Check the coordinates too. A step that looks at each of them anyway spares that.
 
     Returns
     -------
@@ -95,7 +97,7 @@ def check_vertices(V: ArrayLike, name: str = "V") -> Floats:
     if not len(V):
         raise MeshError(f"{name} has no vertices; a mesh needs at least three")
     # NaN compares as False. Only a bad array is searched.
-    if not (-LARGEST_COORDINATE <= V.min() and V.max() <= LARGEST_COORDINATE):
+    if values and not (-LARGEST_COORDINATE <= V.min() and V.max() <= LARGEST_COORDINATE):
         row, column = np.argwhere(~(np.abs(V) <= LARGEST_COORDINATE))[0]
         raise MeshError(
             f"{name}: vertex {row} has {'xyz'[column]} = {V[row, column]}; coordinates must be "

@@ -18,6 +18,7 @@ from meshfair.checks import (
     check_number,
     check_operator,
     check_same_vertices,
+    check_square,
     check_vertices,
 )
 from meshfair.metrics import snr, snr_of_distances
@@ -61,13 +62,13 @@ def average(V: ArrayLike, A: sparray, iterations: int, *, fixed: ArrayLike | Non
     MeshError, ValueError
         Arrays that do not fit together, or ``iterations`` no whole number >= 0.
     """
-    V = check_vertices(V)
-    fast = _fast.wanted(len(V))
-    A = check_operator(A, len(V), entries=not fast)
+    V = check_vertices(V, values=False)
+    A = check_operator(A, len(V), entries=False)
     fixed = check_fixed(fixed, len(V))
     iterations = check_count(iterations, "iterations")
-    if fast:
+    if _fast.wanted(len(V)):  # which checks what V and A hold on its way
         return _fast.flow.average(V, A, iterations, fixed)
+    V, A = check_vertices(V), check_square(A)
     X = V.copy()
     for _ in range(iterations):
         X = A @ X

@@ -1,35 +1,43 @@
 """Steps of the flow: the sums over neighbours, the mixing and the SNR in one pass.
 
-On a large mesh a step waits for memory. So each loop also checks what it reads
-on its way, instead of a pass of its own, and long flows first number the
-vertices so that neighbours are near in memory.
+On a large mesh a step waits for memory. So plain averaging checks what it reads
+on its way, block by block, instead of in passes of their own, and long flows
+first number the vertices so that neighbours are near in memory.
 """
 
 import numpy as np
 
 from meshfair._fast import ordering
 from meshfair._fast.kernels import compiled, helper, on_all_cores, unsigned
-from meshfair.checks import check_square
+from meshfair.checks import LARGEST_COORDINATE, check_square, check_vertices
 
 # From so many iterations on, on a mesh whose positions outgrow the caches, ordering
 # the vertices for locality first is repaid.
 ITERATIONS_WORTH_ORDERING = 8
 VERTICES_WORTH_ORDERING = 100_000
+NONE = np.empty((0, 3))  # where no mesh is given to compare with
 
 
 def average(V, A, iterations, fixed):
-    """As `meshfair.flow.average`; the entries of A need not have been checked."""
+    """As `meshfair.flow.average`; what V and A hold need not have been checked."""
+    if fixed.any() or not iterations:
+        V, A = check_vertices(V), check_square(A)
     order, A = _order_for(A, iterations)
-    X, fixed = _in_order(order, V if iterations else V.copy(), fixed)
+    X, moving = _in_order(order, V if iterations else V.copy(), ~fixed)
+    rows = (*unsigned(A.indptr, A.indices), A.data)
     Y = np.empty_like(V)
-    for _ in range(iterations):
-        _step(A, X, 1.0, fixed, Y)
+    for iteration in range(iterations):
+        if not moving.all():
+            _step(A, X, 1.0, ~moving, Y)
+        elif not all(on_all_cores(_average, len(X), *rows, X, Y, iteration == 0)):
+            check_vertices(V)  # one of these two says what is wrong
+            check_square(A)
         X, Y = Y, np.empty_like(V) if X is V else X  # V itself is not ours to write to
     return X if order is None else ordering.put_back(X, order, Y)
 
 
 def step(V, A, tau, fixed):
-    """As a step of `meshfair.flow.heat`; the entries of A need not have been checked."""
+    """As a step of `meshfair.flow.heat`."""
     V_next = np.empty_like(V)
     _step(A, V, tau, fixed, V_next)
     return V_next
@@ -60,20 +68,10 @@ def _in_order(order, *of_vertices):
     return tuple(ordering.take(X, order) for X in of_vertices)
 
 
-def _step(A, V, tau, fixed, V_next, V_true=None):
-    """Write one step to V_next; return sum_i |v_i - v_true_i| if V_true is given."""
+def _step(A, V, tau, fixed, V_next, V_true=NONE):
+    """Write one step to V_next; return sum_i |v_i - v_true_i|, 0 without V_true."""
     rows = (*unsigned(A.indptr, A.indices), A.data)
-    if tau == 1 and V_true is None and not fixed.any():
-        sound = on_all_cores(_average, len(V), *rows, V, V_next)
-        distance = None
-    else:
-        V_true = np.empty((0, 3)) if V_true is None else V_true
-        sound, distance = np.transpose(
-            on_all_cores(_flow, len(V), *rows, V, tau, fixed, V_next, V_true)
-        )
-    if not np.all(sound):
-        check_square(A)  # says what is wrong with it; else the flow has outgrown all numbers
-    return None if distance is None else distance.sum()
+    return sum(on_all_cores(_flow, len(V), *rows, V, tau, fixed, V_next, V_true))
 
 
 @helper
@@ -100,28 +98,35 @@ def row_product(p, stop, indices, A, V):
 
 
 @compiled(fused=True)
-def _average(first, last, indptr, indices, A, V, V_next):
-    """v+_i = sum_j a_ij v_j: `_flow` for tau = 1 and nothing fixed, with less to do per row."""
-    if not columns_exist(indptr[first], indptr[last], indices, len(V)):
+def _average(first, last, indptr, indices, A, V, V_next, check):
+    """v+_i = sum_j a_ij v_j: `_flow` for tau = 1 and nothing fixed, with less to do per row.
+
+    Returns False where ``check`` is asked for and finds a column that does not exist, or
+    numbers that are none or too large: a sum over the block shows them all.
+    """
+    p = indptr[first]
+    if not check:
+        for i in range(first, last):
+            x, y, z, p = row_product(p, indptr[i + 1], indices, A, V)
+            V_next[i, 0], V_next[i, 1], V_next[i, 2] = x, y, z
+        return True
+    size = 0.0
+    if not columns_exist(p, indptr[last], indices, len(V)):
         return False
-    p, size = indptr[first], 0.0
     for i in range(first, last):
         x, y, z, p = row_product(p, indptr[i + 1], indices, A, V)
         V_next[i, 0], V_next[i, 1], V_next[i, 2] = x, y, z
-        size += abs(x) + abs(y) + abs(z)
-    return size < np.inf
+        size += abs(x) + abs(y) + abs(z) + abs(V[i, 0]) + abs(V[i, 1]) + abs(V[i, 2])
+    return size < LARGEST_COORDINATE
 
 
 @compiled(fused=True)
 def _flow(first, last, indptr, indices, A, V, tau, fixed, V_next, V_true):
     """v+_i = (1 - tau) v_i + tau sum_j a_ij v_j, but v+_i = v_i where fixed."""
-    size = distance = 0.0
-    if not columns_exist(indptr[first], indptr[last], indices, len(V)):
-        return False, distance
+    distance = 0.0
     p = indptr[first]
     for i in range(first, last):
         x, y, z, p = row_product(p, indptr[i + 1], indices, A, V)
-        size += abs(x) + abs(y) + abs(z)
         if fixed[i]:
             x, y, z = V[i, 0], V[i, 1], V[i, 2]
         else:
@@ -132,4 +137,4 @@ def _flow(first, last, indptr, indices, A, V, tau, fixed, V_next, V_true):
         if len(V_true):
             dx, dy, dz = x - V_true[i, 0], y - V_true[i, 1], z - V_true[i, 2]
             distance += np.sqrt(dx * dx + dy * dy + dz * dz)
-    return size < np.inf, distance
+    return distance
