@@ -358,7 +358,7 @@ def scaling(folder: Path, data: Tables) -> None:
     """Time per vertex at five sizes, as `make bench` measured it."""
     table = data["scaling"]
     labels = {
-        "pattern_ns": "finding the edges", "cotangent_ns": "filling the cotangent weights",
+        "edges_ns": "finding the edges", "cotangent_ns": "filling the cotangent weights",
         "averaging_ns": r"$D^{-1} W$", "step_ns": "one averaging step",
         "whole_flow_ns": "all of a flow of 20 steps",
     }  # fmt: skip

@@ -222,7 +222,7 @@ def _performance(data: Tables) -> Texts:
     return {
         "bench-vertices": f"{bench['vertices'].max():,}",
         "bench-libigl": times("weights", "libigl", "ours, from nothing"),
-        "bench-libigl-known": times("weights", "libigl", "ours, pattern known"),
+        "bench-libigl-known": times("weights", "libigl", "ours, edges known"),
         "bench-plain": times("weights", "plain NumPy", "ours, from nothing"),
         "bench-step-scipy": times("step", "SciPy product"),
         "bench-steps-scipy": times("steps", "SciPy product"),

@@ -256,7 +256,7 @@ def test_links_of_the_readme_lead_somewhere():
 # Rows of README's table of times: task and contender of ours in report/results/bench.csv.
 TIMES = {
     "cotangent weights": ("weights", "ours, from nothing"),
-    "the same, edges known from before": ("weights", "ours, pattern known"),
+    "the same, edges known from before": ("weights", "ours, edges known"),
     "one averaging step": ("step", "ours"),
     "each of twenty steps in one call": ("steps", "ours"),
     "the same on the reordered mesh": ("steps in order", "ours"),
