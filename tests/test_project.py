@@ -282,6 +282,17 @@ def test_readme_gives_the_times_that_were_measured():
     assert f"({int(*vertices):,}\nvertices)" in readme
 
 
+def test_every_source_of_a_docstring_is_in_the_reports_bibliography():
+    bibliography = (ROOT / "report" / "references.bib").read_text(encoding="utf-8")
+    keys = set(re.findall(r"^@\w+\{(\w+),", bibliography, re.M))
+    for path in LIB.rglob("*.py"):
+        text = path.read_text(encoding="utf-8")
+        given = set(re.findall(r"^ *\.\. \[(\w+)\] ", text, re.M))
+        cited = set(re.findall(r"\[([A-Z][A-Za-z]*\d\d)\]_?", text))
+        assert given <= keys, path
+        assert cited == given - {"libigl"}, path
+
+
 def two_digits(x):
     return float(f"{x:.2g}")
 

@@ -2,7 +2,7 @@
 
 References
 ----------
-.. [S81] C. Stein, "Estimation of the mean of a multivariate normal distribution",
+.. [Stein81] C. Stein, "Estimation of the mean of a multivariate normal distribution",
    Annals of Statistics 9, 1981.
 .. [RBU08] S. Ramani, T. Blu, M. Unser, "Monte-Carlo SURE", IEEE Transactions on Image
    Processing 17, 2008.
@@ -102,7 +102,7 @@ def true_risk(X: ArrayLike, V_true: ArrayLike, F: ArrayLike) -> float:
 
 
 class SURE:
-    """Estimates a filter's error on a noisy mesh, linear or not [S81]_.
+    """Estimates a filter's error on a noisy mesh, linear or not [Stein81]_.
 
     Heights h along the normals carry white noise of variance sigma^2. What
     makes a face's normal wrong is the *difference* of the errors at the ends

@@ -5,20 +5,22 @@ smooth part, so that an iteration that only looks at neighbours gets slower and
 slower. The smooth part can be seen on a coarser graph: join each vertex with
 its neighbours to an aggregate, add up their equations, and correct there;
 and treat the coarser graph in the same way. No meshes are needed for this,
-just the matrix (algebraic multigrid by plain aggregation [VMB96, Sec. 5]).
+just the matrix (algebraic multigrid by plain aggregation [VMB96]_, Sec. 5).
 
 An aggregate is several edges wide, so all that is rougher must be damped
 before and after the correction: by a few steps of Chebyshev's iteration, which
-is as quick as any polynomial in A can be on that part of the spectrum [ABHT03].
+is as quick as any polynomial in A can be on that part of the spectrum [ABHT03]_.
 
 The cycle is symmetric and positive definite, so it preconditions conjugate
 gradients; its single precision halves the memory that must be moved, and the
 iteration around it works in double precision.
 
-[VMB96] Vanek, Mandel, Brezina, Algebraic multigrid by smoothed aggregation for
-second and fourth order elliptic problems, Computing 56, 1996.
-[ABHT03] Adams, Brezina, Hu, Tuminaro, Parallel multigrid smoothing: polynomial
-versus Gauss-Seidel, Journal of Computational Physics 188, 2003.
+References
+----------
+.. [VMB96] P. Vanek, J. Mandel, M. Brezina, "Algebraic multigrid by smoothed aggregation
+   for second and fourth order elliptic problems", Computing 56, 1996.
+.. [ABHT03] M. Adams, M. Brezina, J. Hu, R. Tuminaro, "Parallel multigrid smoothing:
+   polynomial versus Gauss-Seidel", Journal of Computational Physics 188, 2003.
 """
 
 import numpy as np
