@@ -12,8 +12,8 @@ EVERYTHING = {
     "weld": 0,
     "degenerate": True,
     "duplicates": True,
-    "orient": "outward",
     "split": True,
+    "orient": "outward",
     "unreferenced": True,
 }
 
@@ -43,8 +43,8 @@ wishes = st.fixed_dictionaries(
         "weld": st.sampled_from([None, 0, 0.1]),
         "degenerate": st.booleans(),
         "duplicates": st.booleans(),
-        "orient": st.sampled_from([None, "consistent", "outward"]),
         "split": st.booleans(),
+        "orient": st.sampled_from([None, "consistent", "outward"]),
         "unreferenced": st.booleans(),
     }
 )
@@ -109,6 +109,17 @@ def test_repairing_twice_is_repairing_once(wild):
     twice = mesh.repair(once.V, once.F, **EVERYTHING | {"weld": None})
     assert np.array_equal(twice.F, once.F)
     assert all(step.changed == 0 for step in twice.report)
+
+
+def test_what_is_closed_once_a_fin_is_cut_off_is_oriented_outward():
+    V, F = TETRAHEDRON
+    V = np.concatenate([V, [[9.0, 9, 9]]])
+    inside_out = F if mesh.volume(V[:4], F) < 0 else F[:, ::-1]
+    fin = [[F[0, 0], F[0, 1], 4]]  # a third face on an edge of it
+    repaired = mesh.repair(V, np.concatenate([inside_out, fin]), split=True, orient="outward")
+    body = repaired.F[:4]
+    assert mesh.is_closed(body)
+    assert mesh.volume(repaired.V, body) > 0
 
 
 @pytest.mark.parametrize("make", CLOSED.values(), ids=CLOSED)
@@ -278,7 +289,7 @@ def test_a_box_with_everything_wrong_is_repaired(rng):
     assert (inspection.vertices, inspection.faces) == (len(V), len(F))
     assert mesh.volume(repaired.V, repaired.F) == pytest.approx(1)
     assert [step.changed for step in repaired.report] == [
-        3 * len(F) - len(V), 2, 9, flipped.sum(), 0, 5,
+        3 * len(F) - len(V), 2, 9, 0, flipped.sum(), 5,
     ]  # fmt: skip
 
 

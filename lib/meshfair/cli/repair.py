@@ -21,10 +21,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--degenerate", action="store_true", help="drop faces without area")
     parser.add_argument("--duplicates", action="store_true", help="drop duplicate faces")
     parser.add_argument(
-        "--orient", choices=("consistent", "outward"), help="flip faces until they agree"
+        "--split", action="store_true", help="cut apart non-manifold edges and vertices"
     )
     parser.add_argument(
-        "--split", action="store_true", help="cut apart non-manifold edges and vertices"
+        "--orient", choices=("consistent", "outward"), help="flip faces until they agree"
     )
     parser.add_argument(
         "--unreferenced", action="store_true", help="drop vertices that no face uses"
@@ -46,7 +46,7 @@ def run(options: argparse.Namespace) -> int:
     source = vars(options)["in"]
     files.check_output(options.out, [source], options.force)
     V, F = files.read(source, options)
-    steps = ("weld", "degenerate", "duplicates", "orient", "split", "unreferenced")
+    steps = ("weld", "degenerate", "duplicates", "split", "orient", "unreferenced")
     repaired = mesh.repair(V, F, **{name: getattr(options, name) for name in steps})
     files.write(options.out, repaired.V, repaired.F, [source], options.force)
     if options.json:

@@ -68,8 +68,8 @@ def repair(
     weld: float | None = None,
     degenerate: bool = False,
     duplicates: bool = False,
-    orient: Literal["consistent", "outward"] | None = None,
     split: bool = False,
+    orient: Literal["consistent", "outward"] | None = None,
     unreferenced: bool = False,
 ) -> Repaired:
     """Repair a mesh, step by step, doing only what is asked for.
@@ -93,16 +93,16 @@ def repair(
     duplicates : bool
         Drop the faces that have the three vertices of an earlier face,
         whatever the orientation of either.
-    orient : {"consistent", "outward"}, optional
-        Flip faces so that neighbours have one orientation. The majority of the
-        connected faces keeps its own; with "outward", closed surfaces are
-        oriented so that they enclose a positive volume (cavities too).
-        Non-orientable surfaces stay as they are.
     split : bool
         Cut the surface apart along edges with more than two faces, and at
         vertices where it only touches itself, by giving each part a vertex of
         its own [GTLH01]_. All edges and vertices are manifold after it. The
         first part keeps the old vertices; copies are appended at the end.
+    orient : {"consistent", "outward"}, optional
+        Flip faces so that neighbours have one orientation. The majority of the
+        connected faces keeps its own; with "outward", closed surfaces are
+        oriented so that they enclose a positive volume (cavities too).
+        Non-orientable surfaces stay as they are.
     unreferenced : bool
         Drop the vertices that no face uses (any more).
 
@@ -146,11 +146,11 @@ def repair(
     if duplicates:
         F, step = _drop_faces(F, duplicate_faces(F), "duplicates", "that were duplicates")
         report.append(step)
-    if orient is not None:
-        F, step = _orient(V[vertex_map], F, orient)
-        report.append(step)
     if split:
         F, vertex_map, step = _split(F, vertex_map)
+        report.append(step)
+    if orient is not None:  # what was cut off may be closed now
+        F, step = _orient(V[vertex_map], F, orient)
         report.append(step)
     if unreferenced:
         F, vertex_map, step = _drop_unreferenced(F, vertex_map)
