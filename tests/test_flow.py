@@ -157,8 +157,13 @@ def test_unstable_cotangent_steps_are_warned_of_with_the_bound():
     V, A = negative_weights()
     bound = stability.stable_step(A)
     assert 2 / 3 <= bound < 1
-    with pytest.warns(StabilityWarning, match=rf"negative weights.*tau = {bound:.3g}"):
-        list(flow.heat(V, A, 1.0, 1))
+    for call in (
+        lambda: list(flow.heat(V, A, 1.0, 1)),
+        lambda: flow.snr_curve(V, V + 1, A, 1.0, 1),
+        lambda: flow.best_stopping(V, V + 1, A, 1.0, 1),
+    ):
+        with pytest.warns(StabilityWarning, match=rf"negative weights.*tau = {bound:.3g}"):
+            call()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         list(flow.heat(V, A, 2 / 3, 1))
@@ -265,7 +270,9 @@ def test_an_operator_with_columns_that_do_not_exist_is_refused():
         flow.average(V, A, 1)
 
 
-def test_lists_are_positions_and_other_things_are_not():
+@pytest.mark.parametrize("compiled", [False, True])
+def test_lists_are_positions_and_other_things_are_not(compiled, monkeypatch):
+    monkeypatch.setattr(_fast, "wanted", lambda *rows: compiled)
     V, _, A = torus_and_average()
     np.testing.assert_array_equal(flow.average(V.tolist(), A, 2), flow.average(V, A, 2))
     np.testing.assert_array_equal(
@@ -279,6 +286,8 @@ def test_lists_are_positions_and_other_things_are_not():
         lambda X: flow.heat(X, A, 0.5, 1),
         lambda X: flow.best_stopping(X, V, A, 0.5, 1),
         lambda X: flow.best_stopping(V, X, A, 0.5, 1),
+        lambda X: flow.average(X, A, 0),
+        lambda X: flow.average(X, A, 1, fixed=[0]),
     ):
         with pytest.raises(MeshError, match="vertex 7 has y = nan"):
             call(bad)
@@ -318,9 +327,10 @@ def test_a_backward_flow_has_as_many_steps_and_undoes_the_forward_one():
 @pytest.mark.filterwarnings("ignore::meshfair.StabilityWarning")
 def test_one_vertex_that_outgrows_all_numbers_is_enough():
     V = np.eye(3)
-    A = csr_array(np.diag([1.0, 1, 1e80]))
-    with pytest.raises(MeshError, match="outgrown all numbers at time 1"):
-        list(flow.heat(V, A, 1, 1))
+    for factor in (1e80, -1e80):
+        A = csr_array(np.diag([1.0, 1, factor]))
+        with pytest.raises(MeshError, match="outgrown all numbers at time 1"):
+            list(flow.heat(V, A, 1, 1))
 
 
 def test_the_gain_is_relative_to_the_size_of_a_negative_snr():

@@ -199,6 +199,13 @@ def test_every_model_checks_its_size_and_its_generator(make, rng):
     assert np.array_equal(make(0, rng), V)
 
 
+def test_uniform_takes_positions_alone():
+    found = noise.uniform(V.tolist(), 0.2, np.random.default_rng(3))
+    np.testing.assert_allclose(found, V + 0.2 * np.random.default_rng(3).random(V.shape))
+    with pytest.raises(MeshError, match="V has no vertices"):
+        noise.uniform(np.zeros((0, 3)), 0.2, np.random.default_rng(3))
+
+
 @pytest.mark.parametrize("decibels", [np.nan, np.inf, "loud"])
 def test_an_snr_that_is_no_number_is_refused(decibels):
     with pytest.raises(ValueError, match="decibels is"):
