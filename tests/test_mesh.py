@@ -156,9 +156,7 @@ def test_degenerate_faces_do_not_depend_on_the_unit(unit):
 
 def test_cotangents_of_a_right_triangle():
     V, F = RIGHT_TRIANGLE
-    np.testing.assert_allclose(
-        mesh.geometry.Triangles(V, F).cotangents, [[0.0], [1.0], [1.0]], atol=1e-15
-    )
+    np.testing.assert_allclose(mesh.Triangles(V, F).cotangents, [[0.0], [1.0], [1.0]], atol=1e-15)
 
 
 def test_a_mesh_without_edges_has_no_mean_edge_length():

@@ -43,7 +43,7 @@ def imported(path):
 
 
 def module_of(name):
-    """The package's module in which a dotted name lies: `meshfair.mesh.edges` for its `Edges`."""
+    """The package's module in which a dotted name lies: `meshfair.mesh.elements` of `Edges`."""
     parts = name.split(".")
     while parts:
         place = LIB.joinpath(*parts)

@@ -13,7 +13,8 @@ from scipy.sparse import csr_array, diags_array, eye_array, sparray
 from meshfair import _fast
 from meshfair.checks import Floats, MeshError, check_faces, check_mesh, check_square
 from meshfair.mesh import boundary_edges
-from meshfair.mesh.geometry import Triangles, scatter
+from meshfair.mesh.elements import Triangles
+from meshfair.mesh.geometry import scatter
 
 
 def degrees(W: sparray) -> Floats:

@@ -23,8 +23,7 @@ from scipy.sparse import csr_array
 
 from meshfair import _fast
 from meshfair.checks import Floats, check_choice, check_vertices
-from meshfair.mesh.edges import Edges, as_edges
-from meshfair.mesh.geometry import Triangles, warn_of_degenerate_faces
+from meshfair.mesh.elements import Edges, Triangles, as_edges, warn_of_degenerate_faces
 
 
 def combinatorial(F: ArrayLike | Edges, n: int) -> csr_array:

@@ -1,17 +1,17 @@
 """What the other modules ask of a triangle mesh, and what is wrong with it.
 
-``edges`` holds the one structure of a mesh's edges; ``topology``, ``geometry``,
-``boundary`` and ``dihedral`` hold the facts, ``ordering`` the numbering of vertices;
-``inspection`` says what is wrong, in the words of ``findings``, and ``report`` shows
-it with the ``advice`` on it; ``repair`` repairs it, and ``clustering`` does damage on
-purpose.
+``elements`` holds the one structure of a mesh's edges and the one measure of its
+triangles; ``topology``, ``geometry``, ``boundary`` and ``dihedral`` hold the facts,
+``ordering`` the numbering of vertices; ``inspection`` says what is wrong, in the words
+of ``findings``, and ``report`` shows it with the ``advice`` on it; ``repair`` repairs
+it, and ``clustering`` does damage on purpose.
 """
 
 from meshfair.mesh.boundary import boundary_edges, boundary_vertices
 from meshfair.mesh.clustering import cluster
 from meshfair.mesh.dihedral import InteriorEdges, dihedral_angles, interior_edges
 from meshfair.mesh.duplicates import unique_faces
-from meshfair.mesh.edges import Edges, half_edges
+from meshfair.mesh.elements import Edges, Triangles, half_edges, normalised
 from meshfair.mesh.findings import Finding
 from meshfair.mesh.geometry import (
     area,
@@ -21,7 +21,6 @@ from meshfair.mesh.geometry import (
     face_normals,
     face_shapes,
     mean_edge_length,
-    normalised,
     scatter,
     vertex_normals,
     volume,
@@ -39,6 +38,7 @@ __all__ = [
     "InteriorEdges",
     "Repaired",
     "Step",
+    "Triangles",
     "area",
     "boundary_edges",
     "boundary_vertices",

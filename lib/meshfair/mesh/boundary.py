@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from meshfair.checks import Integers
-from meshfair.mesh.edges import Edges
+from meshfair.mesh.elements import Edges
 
 
 def boundary_edges(F: ArrayLike) -> Integers:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from meshfair.checks import Floats, Integers
-from meshfair.mesh.edges import Edges
+from meshfair.mesh.elements import Edges
 
 
 class InteriorEdges(NamedTuple):

@@ -1,98 +1,12 @@
 """Areas, normals, angles, lengths and volume of a triangle mesh."""
 
-import warnings
-from functools import cached_property
-
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
 from meshfair import _fast
-from meshfair.checks import (
-    DEGENERATE,
-    Booleans,
-    Floats,
-    Integers,
-    MeshError,
-    MeshWarning,
-    check_mesh,
-)
-from meshfair.mesh.edges import Edges
-
-
-class Triangles:
-    """The measures of all triangles, each computed when it is asked for.
-
-    Parameters
-    ----------
-    V : ndarray of float64, shape (n, 3)
-    F : ndarray of int64, shape (m, 3)
-    """
-
-    def __init__(self, V: Floats, F: Integers) -> None:
-        # Coordinate by coordinate, so that each array is long and contiguous.
-        X = np.ascontiguousarray(V.T)
-        self._corners = [np.take(X, F[:, k], axis=1) for k in range(3)]
-
-    @cached_property
-    def _dots(self) -> Floats:
-        """u . v of the two edge vectors at each of the three corners; shape (3, m)."""
-        A, B, C = self._corners
-        a, b, c = C - B, A - C, B - A
-        return -np.stack([_dot(b, c), _dot(c, a), _dot(a, b)])
-
-    @cached_property
-    def cross(self) -> Floats:
-        """Cross product of two edges: the normal times twice the area; shape (3, m)."""
-        A, B, C = self._corners
-        u, v = B - A, C - A
-        return np.stack([u[i] * v[j] - u[j] * v[i] for i, j in ((1, 2), (2, 0), (0, 1))])
-
-    @cached_property
-    def doubled_area(self) -> Floats:
-        """Twice the area; shape (m,)."""
-        return np.sqrt(_dot(self.cross, self.cross))
-
-    @property
-    def area(self) -> Floats:
-        """Area, in squared units of length; shape (m,)."""
-        return self.doubled_area / 2
-
-    @property
-    def area_vectors(self) -> Floats:
-        """Normal times area; shape (m, 3)."""
-        return self.cross.T / 2
-
-    @property
-    def normals(self) -> Floats:
-        """Unit normals; zero for a triangle without area; shape (m, 3)."""
-        return normalised(self.cross.T)
-
-    @property
-    def centroids(self) -> Floats:
-        """Mean of the three corners; shape (m, 3)."""
-        A, B, C = self._corners
-        return np.ascontiguousarray(((A + B + C) / 3).T)
-
-    @cached_property
-    def degenerate(self) -> Booleans:
-        """Which have no area to speak of, see `degenerate_faces`; shape (m,)."""
-        # An edge's squared length is the sum of the dot products at its two ends.
-        dots = self._dots
-        longest = np.maximum(np.maximum(dots[0] + dots[1], dots[1] + dots[2]), dots[2] + dots[0])
-        return self.doubled_area <= DEGENERATE * longest
-
-    @cached_property
-    def cotangents(self) -> Floats:
-        """cot = u . v / |u x v| at the three corners; 0 in degenerate triangles; shape (3, m)."""
-        dots = self._dots
-        return np.divide(dots, self.doubled_area, out=np.zeros_like(dots), where=~self.degenerate)
-
-
-def normalised(X: Floats) -> Floats:
-    """Rows of length one; a row of zeros, which has no direction, stays zero."""
-    length = np.linalg.norm(X, axis=1, keepdims=True)
-    return np.divide(X, length, out=np.zeros_like(X), where=length > 0)
+from meshfair.checks import Booleans, Floats, Integers, MeshError, check_mesh
+from meshfair.mesh.elements import Edges, Triangles, normalised
 
 
 def face_areas(V: ArrayLike, F: ArrayLike) -> Floats:
@@ -107,7 +21,7 @@ def face_areas(V: ArrayLike, F: ArrayLike) -> Floats:
     -------
     ndarray of float64, shape (m,)
     """
-    return Triangles(*check_mesh(V, F)).area
+    return Triangles(V, F).area
 
 
 def face_normals(V: ArrayLike, F: ArrayLike) -> Floats:
@@ -123,7 +37,7 @@ def face_normals(V: ArrayLike, F: ArrayLike) -> Floats:
     ndarray of float64, shape (m, 3)
         Unit vectors; zero for a triangle without area.
     """
-    return Triangles(*check_mesh(V, F)).normals
+    return Triangles(V, F).normals
 
 
 def vertex_normals(V: ArrayLike, F: ArrayLike) -> Floats:
@@ -253,36 +167,7 @@ def degenerate_faces(V: ArrayLike, F: ArrayLike) -> Booleans:
     ndarray of bool, shape (m,)
         True where the height over the longest edge is at most 1e-12 of it.
     """
-    return Triangles(*check_mesh(V, F)).degenerate
-
-
-def warn_of_degenerate_faces(V: Floats, F: Integers, effect: str) -> None:
-    """Warn of degenerate faces, if there are any: how many, the first, and what they do.
-
-    Parameters
-    ----------
-    V : ndarray of float64, shape (n, 3)
-    F : ndarray of int64, shape (m, 3)
-    effect : str
-        How the sentence ends that begins with "they".
-
-    Warns
-    -----
-    MeshWarning
-    """
-    degenerate = Triangles(V, F).degenerate
-    if degenerate.any():
-        warnings.warn(
-            f"{degenerate.sum()} of {len(F)} faces are degenerate (the first has vertices "
-            f"{F[degenerate][0].tolist()}); they {effect}",
-            MeshWarning,
-            stacklevel=3,
-        )
-
-
-def _dot(u: Floats, v: Floats) -> Floats:
-    """Dot products of the columns of two arrays of shape (3, m)."""
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
+    return Triangles(V, F).degenerate
 
 
 def area(V: ArrayLike, F: ArrayLike) -> float:

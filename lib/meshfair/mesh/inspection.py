@@ -7,9 +7,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshfair.checks import Floats, Integers, check_mesh
 from meshfair.mesh.duplicates import duplicate_faces, duplicate_rows
-from meshfair.mesh.edges import Edges
+from meshfair.mesh.elements import Edges, Triangles
 from meshfair.mesh.findings import KINDS, SLIVER, Finding
-from meshfair.mesh.geometry import Triangles
 from meshfair.mesh.report import Inspection
 from meshfair.mesh.topology import (
     boundary_loops,

@@ -20,7 +20,7 @@ from scipy.sparse import csr_array
 
 from meshfair import _fast
 from meshfair.checks import Floats, Integers, MeshError, check_mesh
-from meshfair.mesh.edges import Edges
+from meshfair.mesh.elements import Edges
 
 
 def reorder(V: ArrayLike, F: ArrayLike) -> tuple[Floats, Integers, Integers]:

@@ -15,7 +15,7 @@ from meshfair.checks import (
     check_number,
 )
 from meshfair.mesh.duplicates import duplicate_faces, first_equal
-from meshfair.mesh.edges import Edges
+from meshfair.mesh.elements import Edges
 from meshfair.mesh.geometry import degenerate_faces, mean_edge_length
 from meshfair.mesh.topology import (
     HalfEdgePairs,

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array
 
 from meshfair.checks import Booleans, Integers, check_faces
-from meshfair.mesh.edges import Edges
+from meshfair.mesh.elements import Edges
 
 
 def topologically_degenerate(F: Integers) -> Booleans:

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from meshfair.checks import Floats, Integers, check_count, check_number
-from meshfair.mesh.edges import Edges
+from meshfair.mesh.elements import Edges
 
 # The tube that reproduces Open3D's KnotMesh (1,440 vertices), fitted to its file.
 KNOT_TUBE_RADIUS = 19.54387

@@ -1,5 +1,6 @@
-"""The edges of a triangle mesh: one structure for all who ask for them."""
+"""The elements of a triangle mesh: one structure of its edges, one measure of its triangles."""
 
+import warnings
 from functools import cached_property
 from typing import Any, Self
 
@@ -8,7 +9,16 @@ from numpy.typing import ArrayLike
 from scipy.sparse import coo_array, csr_array
 
 from meshfair import _fast
-from meshfair.checks import Floats, Integers, MeshError, check_faces
+from meshfair.checks import (
+    DEGENERATE,
+    Booleans,
+    Floats,
+    Integers,
+    MeshError,
+    MeshWarning,
+    check_faces,
+    check_mesh,
+)
 from meshfair.mesh.duplicates import unique_faces
 
 
@@ -178,3 +188,113 @@ def as_edges(F: ArrayLike | Edges, n: int) -> Edges:
     if F.n != n:
         raise MeshError(f"the edges are those of {F.n} vertices, but V has {n}; find them anew")
     return F
+
+
+class Triangles:
+    """The measures of all triangles, each computed when it is asked for.
+
+    Parameters
+    ----------
+    V : array_like, shape (n, 3)
+    F : array_like of integers, shape (m, 3)
+
+    Raises
+    ------
+    MeshError
+        No mesh.
+    """
+
+    def __init__(self, V: ArrayLike, F: ArrayLike) -> None:
+        V, F = check_mesh(V, F)
+        # Coordinate by coordinate, so that each array is long and contiguous.
+        X = np.ascontiguousarray(V.T)
+        self._corners = [np.take(X, F[:, k], axis=1) for k in range(3)]
+
+    @cached_property
+    def _dots(self) -> Floats:
+        """u . v of the two edge vectors at each of the three corners; shape (3, m)."""
+        A, B, C = self._corners
+        a, b, c = C - B, A - C, B - A
+        return -np.stack([_dot(b, c), _dot(c, a), _dot(a, b)])
+
+    @cached_property
+    def cross(self) -> Floats:
+        """Cross product of two edges: the normal times twice the area; shape (3, m)."""
+        A, B, C = self._corners
+        u, v = B - A, C - A
+        return np.stack([u[i] * v[j] - u[j] * v[i] for i, j in ((1, 2), (2, 0), (0, 1))])
+
+    @cached_property
+    def doubled_area(self) -> Floats:
+        """Twice the area; shape (m,)."""
+        return np.sqrt(_dot(self.cross, self.cross))
+
+    @property
+    def area(self) -> Floats:
+        """Area, in squared units of length; shape (m,)."""
+        return self.doubled_area / 2
+
+    @property
+    def area_vectors(self) -> Floats:
+        """Normal times area; shape (m, 3)."""
+        return self.cross.T / 2
+
+    @property
+    def normals(self) -> Floats:
+        """Unit normals; zero for a triangle without area; shape (m, 3)."""
+        return normalised(self.cross.T)
+
+    @property
+    def centroids(self) -> Floats:
+        """Mean of the three corners; shape (m, 3)."""
+        A, B, C = self._corners
+        return np.ascontiguousarray(((A + B + C) / 3).T)
+
+    @cached_property
+    def degenerate(self) -> Booleans:
+        """Which have no area to speak of, see `degenerate_faces`; shape (m,)."""
+        # An edge's squared length is the sum of the dot products at its two ends.
+        dots = self._dots
+        longest = np.maximum(np.maximum(dots[0] + dots[1], dots[1] + dots[2]), dots[2] + dots[0])
+        return self.doubled_area <= DEGENERATE * longest
+
+    @cached_property
+    def cotangents(self) -> Floats:
+        """cot = u . v / |u x v| at the three corners; 0 in degenerate triangles; shape (3, m)."""
+        dots = self._dots
+        return np.divide(dots, self.doubled_area, out=np.zeros_like(dots), where=~self.degenerate)
+
+
+def warn_of_degenerate_faces(V: Floats, F: Integers, effect: str) -> None:
+    """Warn of degenerate faces, if there are any: how many, the first, and what they do.
+
+    Parameters
+    ----------
+    V : ndarray of float64, shape (n, 3)
+    F : ndarray of int64, shape (m, 3)
+    effect : str
+        How the sentence ends that begins with "they".
+
+    Warns
+    -----
+    MeshWarning
+    """
+    degenerate = Triangles(V, F).degenerate
+    if degenerate.any():
+        warnings.warn(
+            f"{degenerate.sum()} of {len(F)} faces are degenerate (the first has vertices "
+            f"{F[degenerate][0].tolist()}); they {effect}",
+            MeshWarning,
+            stacklevel=3,
+        )
+
+
+def normalised(X: Floats) -> Floats:
+    """Rows of length one; a row of zeros, which has no direction, stays zero."""
+    length = np.linalg.norm(X, axis=1, keepdims=True)
+    return np.divide(X, length, out=np.zeros_like(X), where=length > 0)
+
+
+def _dot(u: Floats, v: Floats) -> Floats:
+    """Dot products of the columns of two arrays of shape (3, m)."""
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
