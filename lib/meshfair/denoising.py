@@ -113,6 +113,7 @@ _METHODS: dict[str, Method] = {
         "iterations",
         fill_in,
     ),
+    "learned": Method(filters.learned, _grid(stages=(1, 2))),
 }
 
 

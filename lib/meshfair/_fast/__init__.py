@@ -22,7 +22,7 @@ ROWS = 20_000
 FILTER_ROWS = 3_000
 
 _MODULES = (
-    "cg", "creases", "faces", "filters", "flow", "intrinsic", "kernels", "multigrid",
+    "cg", "creases", "faces", "filters", "flow", "intrinsic", "kernels", "learned", "multigrid",
     "neighbourhoods", "operators", "ordering", "pattern", "stability", "weights",
 )  # fmt: skip
 

@@ -14,6 +14,7 @@ from meshfair.filters.diffusion import averaging, heat, implicit, regularised, t
 from meshfair.filters.feature_convinced import feature_convinced
 from meshfair.filters.guided_normal import guided_normal
 from meshfair.filters.l0 import l0
+from meshfair.filters.learned import learned
 from meshfair.filters.normal_filtering import bilateral_normal, sun
 
 __all__ = [
@@ -25,6 +26,7 @@ __all__ = [
     "heat",
     "implicit",
     "l0",
+    "learned",
     "regularised",
     "sun",
     "taubin",

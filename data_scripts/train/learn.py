@@ -1,0 +1,140 @@
+"""Training of one stage, step by step; it goes on where it was interrupted."""
+
+import csv
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+import torch
+from examples import Example
+from network import Stage, tensors
+
+RATE = 2e-3  # of Adam, after a short start and before the decay
+START, DECAY = 300, 0.35  # steps to begin with; share of all steps in which the rate falls
+AVERAGED = 0.998  # how much of their mean the weights keep in each step
+FIRST, NEW, KEPT = 100, 0.4, 1200  # examples at first, new ones a step, examples kept
+REPORT = 100  # steps between two lines
+
+
+def rate(step: int, steps: int) -> float:
+    """The learning rate at a step."""
+    left = (steps - step) / (DECAY * steps)
+    return RATE * min(1.0, (step + 1) / START, max(left, 0.01))
+
+
+class Pool:
+    """The latest examples, each made from its number alone."""
+
+    def __init__(self, make: Callable[[int], Example]) -> None:
+        self.make = make
+        self.examples: dict[int, Example] = {}
+
+    def draw(self, step: int, rng: np.random.Generator) -> Example:
+        """One of the examples of a step."""
+        end = FIRST + int(NEW * step)
+        first = max(0, end - KEPT)
+        for number in [k for k in self.examples if k < first]:
+            del self.examples[number]
+        number = int(rng.integers(first, end))
+        newest = range(max(first, FIRST + int(NEW * (step - 1))), end) if step else ()
+        for k in {number, *newest}:  # others, after an interruption, when they are drawn
+            if k not in self.examples:
+                self.examples[k] = self.make(k)
+        return self.examples[number]
+
+
+def learn(
+    name: str,
+    make: Callable[[int], Example],
+    steps: int,
+    folder: Path,
+    start: Path | None = None,
+    validate: Callable[[Stage], dict[str, float]] | None = None,
+) -> Stage:
+    """Train a stage.
+
+    Parameters
+    ----------
+    name : str
+        Of its files: NAME.pt, the state of things, and NAME.csv, the curve.
+    make : function
+        From a number to an example.
+    steps : int
+        How many to make, those before an interruption among them.
+    folder : Path
+    start : Path, optional
+        The state of a stage whose weights to begin with.
+    validate : function, optional
+        From a stage to what the curve says of it, every 1,000 steps.
+
+    Returns
+    -------
+    Stage
+        With the mean of the latest weights.
+    """
+    state, curve = folder / f"{name}.pt", folder / f"{name}.csv"
+    torch.manual_seed(0)
+    stage, mean = Stage(), Stage()
+    optimizer = torch.optim.AdamW(stage.parameters(), RATE, betas=(0.9, 0.99), weight_decay=1e-4)
+    step, seconds = 0, 0.0
+    if state.exists():
+        saved = torch.load(state, weights_only=True)
+        stage.load_state_dict(saved["stage"])
+        mean.load_state_dict(saved["mean"])
+        optimizer.load_state_dict(saved["optimizer"])
+        step, seconds = saved["step"], saved["seconds"]
+    elif start is not None:
+        stage.load_state_dict(torch.load(start, weights_only=True)["mean"])
+    if step == 0:
+        mean.load_state_dict(stage.state_dict())
+    pool, recent, began = Pool(make), [], perf_counter() - seconds
+    for step in range(step, steps):
+        example = pool.draw(step, np.random.default_rng([1, step]))
+        for group in optimizer.param_groups:
+            group["lr"] = rate(step, steps)
+        N = stage(*tensors(*example.inputs()))
+        error = (N - torch.from_numpy(example.surface.N).float()).norm(dim=1).mean()
+        loss = error / (0.1 + example.noisy)
+        optimizer.zero_grad()
+        loss.backward()
+        torch.nn.utils.clip_grad_norm_(stage.parameters(), 1.0)
+        optimizer.step()
+        with torch.no_grad():
+            keep = min(AVERAGED, step / (step + 10))
+            for a, b in zip(mean.parameters(), stage.parameters(), strict=True):
+                a.lerp_(b, 1 - keep)
+        recent.append((float(loss.detach()), float(example.noisy), float(error.detach())))
+        done = step + 1
+        if done % REPORT == 0 or done == steps:
+            seconds = perf_counter() - began
+            row = dict(zip(("loss", "noisy", "error"), np.mean(recent, axis=0), strict=True))
+            row = {"step": done, "seconds": seconds, "rate": rate(step, steps)} | row
+            if validate is not None and (done % (10 * REPORT) == 0 or done == steps):
+                row |= validate(mean)
+            recent = []
+            _append(curve, row)
+            print(name, *(f"{key} {value:.5g}" for key, value in row.items()), flush=True)
+            new = state.with_suffix(".new")
+            torch.save(
+                {
+                    "stage": stage.state_dict(), "mean": mean.state_dict(),
+                    "optimizer": optimizer.state_dict(), "step": done, "seconds": seconds,
+                },
+                new,
+            )  # fmt: skip
+            new.replace(state)
+    return mean
+
+
+def _append(curve: Path, row: dict[str, float]) -> None:
+    """One more row of the curve."""
+    new = not curve.exists()
+    with curve.open("a", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS, restval="")
+        if new:
+            writer.writeheader()
+        writer.writerow({key: f"{value:.6g}" for key, value in row.items()})
+
+
+COLUMNS = ["step", "seconds", "rate", "loss", "noisy", "error", "sharp", "smooth"]

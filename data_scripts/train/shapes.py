@@ -1,0 +1,59 @@
+"""The shapes that the network learns from: made here, each from its number."""
+
+import numpy as np
+from meshfair import mesh
+from meshfair.checks import Floats, Integers
+from solids import solid, thin
+from surfaces import blobs, rounded, sheets
+from tessellations import WAYS, compact, cut, isotropic, subdivided, with_detail
+
+Mesh = tuple[Floats, Integers]
+
+# Generators, how often each is taken, and how often its shapes get fine detail.
+SHARP = {solid: (0.37, 0.1), thin: (0.1, 0.1)}
+SMOOTH = {rounded: (0.2, 0.3), blobs: (0.25, 0.75), sheets: (0.08, 0.4)}
+
+FACES = 2_000, 4_500  # the least and the most that are asked for
+FEWEST, MOST = 800, 9_000  # what may come of it
+
+
+def shape(number: int) -> Mesh:
+    """A training shape: vertices and faces."""
+    for attempt in range(50):
+        V, F = _attempt(np.random.default_rng([number, attempt]))
+        if FEWEST <= len(F) <= MOST and not mesh.degenerate_faces(V, F).any():
+            return V, F
+    raise RuntimeError(f"training shape {number} has not come about in 50 attempts")
+
+
+def _attempt(rng: np.random.Generator) -> Mesh:
+    makers = SHARP | SMOOTH
+    make = _drawn({maker: share for maker, (share, _) in makers.items()}, rng)
+    way = _drawn(WAYS, rng)
+    faces = int(rng.integers(*FACES))
+    raw = make in SMOOTH and rng.random() < 0.15  # as marching cubes leaves it
+    if make in SHARP:
+        V, F = make(rng)
+    else:
+        V, F = make(rng, int(rng.integers(20, 30) if raw else rng.integers(44, 60)))
+    if not len(F):
+        return V, F
+    if make in SMOOTH:
+        V, F = _largest_part(V, F)
+    if not raw:
+        V, F = (isotropic if make in SMOOTH and way is subdivided else way)(V, F, faces, rng)
+    if rng.random() < makers[make][1]:
+        V = with_detail(V, F, rng)
+    if rng.random() < 0.15:
+        V, F = cut(V, F, rng)
+    return V, F
+
+
+def _drawn(shares: dict, rng: np.random.Generator):  # type: ignore[no-untyped-def]
+    return list(shares)[rng.choice(len(shares), p=np.array(list(shares.values())))]
+
+
+def _largest_part(V: Floats, F: Integers) -> Mesh:
+    _, part = mesh.components(F, len(V))
+    of_face = part[F[:, 0]]
+    return compact(V, F[of_face == np.bincount(of_face).argmax()])
