@@ -63,28 +63,28 @@ class Messages(torch.autograd.Function):
 
 
 class Sums(torch.autograd.Function):
-    """Of each face: the mean of z, and of c1 v_j + c2 d + c3 t, over its ring."""
+    """Of each face: the means of z, and of c v_j for each channel, over its ring."""
 
     @staticmethod
     def forward(ctx: Any, z: torch.Tensor, c: torch.Tensor, v: torch.Tensor, edges: Edges) -> Any:
         """Shapes (m, H) and (m, 3 K)."""
         ctx.data = z.detach().numpy(), c.detach().numpy(), v.detach().numpy()
         ctx.edges = edges
-        return tuple(map(torch.from_numpy, _sums(*ctx.data, *_without_e(edges))))
+        return tuple(map(torch.from_numpy, _sums(*ctx.data, *_ends_and_share(edges))))
 
     @staticmethod
     @once_differentiable
     def backward(ctx: Any, gs: torch.Tensor, gu: torch.Tensor) -> Any:
         """By z, c and v."""
         back = _sums_back(
-            *ctx.data, *_without_e(ctx.edges), gs.contiguous().numpy(), gu.contiguous().numpy()
+            *ctx.data, *_ends_and_share(ctx.edges), gs.contiguous().numpy(), gu.contiguous().numpy()
         )
         return *map(torch.from_numpy, back), None
 
 
-def _without_e(edges: Edges) -> tuple[Any, ...]:
-    start, end, d, t, _, share = edges.arrays
-    return start, end, d, t, share
+def _ends_and_share(edges: Edges) -> tuple[Any, ...]:
+    start, end, *_, share = edges.arrays
+    return start, end, share
 
 
 @loop
@@ -156,7 +156,7 @@ def _messages_back(start, end, slope, g):
 
 
 @loop
-def _sums(z, c, v, start, end, d, t, share):
+def _sums(z, c, v, start, end, share):
     m, K, H = len(v), v.shape[1] // 3, z.shape[1]
     s, u = np.zeros((m, H), np.float32), np.zeros_like(v)
     for i in range(m):
@@ -165,14 +165,14 @@ def _sums(z, c, v, start, end, d, t, share):
             for k in range(H):
                 s[i, k] += w * z[e, k]
             for axis in range(3):
-                out, b, dx, tx = u[i, axis * K :], v[j, axis * K :], d[e, axis], t[e, axis]
+                out, b = u[i, axis * K :], v[j, axis * K :]
                 for k in range(K):
-                    out[k] += w * (c[e, k] * b[k] + c[e, K + k] * dx + c[e, 2 * K + k] * tx)
+                    out[k] += w * c[e, k] * b[k]
     return s, u
 
 
 @loop
-def _sums_back(z, c, v, start, end, d, t, share, gs, gu):
+def _sums_back(z, c, v, start, end, share, gs, gu):
     m, K, H = len(v), v.shape[1] // 3, z.shape[1]
     gz, gc, gv = np.empty_like(z), np.zeros_like(c), np.zeros_like(v)
     for i in range(m):
@@ -182,11 +182,8 @@ def _sums_back(z, c, v, start, end, d, t, share, gs, gu):
                 gz[e, k] = w * gs[i, k]
             x = gc[e]
             for axis in range(3):
-                g, b, dx, tx = gu[i, axis * K :], v[j, axis * K :], d[e, axis], t[e, axis]
-                gb = gv[j, axis * K :]
+                g, b, gb = gu[i, axis * K :], v[j, axis * K :], gv[j, axis * K :]
                 for k in range(K):
                     x[k] += w * g[k] * b[k]
-                    x[K + k] += w * g[k] * dx
-                    x[2 * K + k] += w * g[k] * tx
                     gb[k] += w * g[k] * c[e, k]
     return gz, gc, gv

@@ -27,7 +27,7 @@ class Layer(nn.Module):
         self.own = nn.Linear(C + K, H)
         self.other = nn.Linear(C + K, H, bias=False)
         self.edge = nn.Linear(5 * K + 2, H, bias=False)
-        self.along = nn.Linear(H, 3 * K)
+        self.along = nn.Linear(H, K)
         self.first = nn.Linear(C + H + 2 * K, H)
         self.second = nn.Linear(H, C + 2 * K * K)
         self.norm = nn.LayerNorm(C)
@@ -61,7 +61,9 @@ class Stage(nn.Module):
         self.layers = nn.ModuleList(Layer() for _ in range(LAYERS))
         self.third = nn.Linear(C + K, H)
         self.out = nn.Linear(H, K + BANK)
-        with torch.no_grad():
+        with torch.no_grad():  # at first about the mean of the bank
+            self.out.weight *= 0.1
+            self.out.bias[:K] = 0.0
             self.out.bias[K:] = 0.1
 
     def forward(self, x: torch.Tensor, G: torch.Tensor, edges: Edges) -> torch.Tensor:

@@ -54,7 +54,7 @@ def _message_sums(
     first, last, start, faces, C, smooth, area, total, size, p, r, v, edge, along, bias, s, u
 ):
     H, K = p.shape[1], v.shape[2]
-    x, z, c = np.empty(5 * K + 2), np.empty(H), np.empty(3 * K)
+    x, z, c = np.empty(5 * K + 2), np.empty(H), np.empty(K)
     for i in range(first, last):
         s[i] = 0.0
         u[i] = 0.0
@@ -76,15 +76,14 @@ def _message_sums(
             for a in range(len(x)):
                 for h in range(H):
                     z[h] += x[a] * edge[a, h]
-            for k in range(3 * K):
+            for k in range(K):
                 c[k] = bias[k]
             for h in range(H):
                 z[h] *= min(max(z[h] / 6 + 0.5, 0.0), 1.0)
                 s[i, h] += share * z[h]
-                for k in range(3 * K):
+                for k in range(K):
                     c[k] += z[h] * along[h, k]
             for k in range(K):
-                a, b, g = share * c[k], share * c[K + k], share * c[2 * K + k]
-                u[i, 0, k] += a * v[j, 0, k] + b * d[0] + g * t[0]
-                u[i, 1, k] += a * v[j, 1, k] + b * d[1] + g * t[1]
-                u[i, 2, k] += a * v[j, 2, k] + b * d[2] + g * t[2]
+                u[i, 0, k] += share * c[k] * v[j, 0, k]
+                u[i, 1, k] += share * c[k] * v[j, 1, k]
+                u[i, 2, k] += share * c[k] * v[j, 2, k]

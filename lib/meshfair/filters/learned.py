@@ -3,8 +3,8 @@
 The bilateral normal filter's idea, n_i <- sum_j w_ij n_j, with the kernel w replaced by a
 small network, in which each face has scalars h_i and vectors v_i. Every number that the
 network sees is an invariant, such as an inner product of two vectors; every vector is a sum
-of normals and of differences of centroids, weighted by what the network says. So the result
-turns, mirrors and scales with the mesh. Stages follow each other as in [Wang16]_, each
+of normals, weighted by what the network says. So the result turns, mirrors and scales with
+the mesh, and a plane stays one. Stages follow each other as in [Wang16]_, each
 trained on what the one before leaves; that a network finds the normals is the idea of
 [ZLZ19]_, too.
 
@@ -38,7 +38,7 @@ Weights: TypeAlias = dict[str, Floats]
 
 # Normals a face that a stage is given: the bank, and two of the stage before.
 BANK = COUNT + 2
-SCALARS, CHANNELS, HIDDEN, LAYERS = 32, 6, 32, 4
+SCALARS, CHANNELS, HIDDEN, LAYERS = 32, 8, 32, 4
 # Logarithms of ratios of areas and lengths are cut off here; of areas, so are tiny ones.
 MOST, LEAST_AREA = 5.0, 1e-6
 # Faces whose inner products are in memory at the same time.
@@ -279,7 +279,7 @@ def message_sums(w: Weights, h: Floats, v: Floats, rings: Rings) -> tuple[Floats
     centroid,
 
         z_ij = act(P [h_i, |v_i|^2] + Q [h_j, |v_j|^2] + R x_ij),   s_i = sum_j a_ij z_ij,
-        u_i = sum_j a_ij (alpha(z_ij) v_j + beta(z_ij) d_ij + gamma(z_ij) t_ij),
+        u_i = sum_j a_ij w(z_ij) v_j,
 
     where x_ij holds <v_i, v_j>, <d_ij, v_i>, <d_ij, v_j>, <t_ij, v_i> and <t_ij, v_j> of each
     channel, the length of d_ij and the logarithm of the ratio of areas.
@@ -306,8 +306,7 @@ def message_sums(w: Weights, h: Floats, v: Floats, rings: Rings) -> tuple[Floats
     dots = [np.sum(v[i] * v[j], axis=1)]
     dots += [np.sum(x[:, :, None] * v[k], axis=1) for x in (d, t) for k in (i, j)]
     z = _act(p[i] + r[j] + _linear(w, "edge", np.concatenate([*dots, e], axis=1)))
-    alpha, beta, gamma = np.split(_linear(w, "along", z)[:, None], 3, axis=2)
-    vectors = alpha * v[j] + beta * d[:, :, None] + gamma * t[:, :, None]
+    vectors = _linear(w, "along", z)[:, None] * v[j]
     share, start = rings.share, rings.R.indptr[:-1]
     s = np.add.reduceat(share[:, None] * z, start)
     return s, np.add.reduceat(share[:, None, None] * vectors, start)
