@@ -1,6 +1,7 @@
 """Examples: a shape, noise of a random kind and size on it, and what a stage is then given."""
 
 import numpy as np
+
 from meshfair import _fast, mesh, noise, operators, weights
 from meshfair.checks import Floats, Integers
 from meshfair.filters.guided_normal import Patches

@@ -77,19 +77,19 @@ def learn(
     torch.manual_seed(0)
     stage, mean = Stage(), Stage()
     optimizer = torch.optim.AdamW(stage.parameters(), RATE, betas=(0.9, 0.99), weight_decay=1e-4)
-    step, seconds = 0, 0.0
+    begin, seconds = 0, 0.0
     if state.exists():
         saved = torch.load(state, weights_only=True)
         stage.load_state_dict(saved["stage"])
         mean.load_state_dict(saved["mean"])
         optimizer.load_state_dict(saved["optimizer"])
-        step, seconds = saved["step"], saved["seconds"]
+        begin, seconds = saved["step"], saved["seconds"]
     elif start is not None:
         stage.load_state_dict(torch.load(start, weights_only=True)["mean"])
-    if step == 0:
+    if begin == 0:
         mean.load_state_dict(stage.state_dict())
     pool, recent, began = Pool(make), [], perf_counter() - seconds
-    for step in range(step, steps):
+    for step in range(begin, steps):
         example = pool.draw(step, np.random.default_rng([1, step]))
         for group in optimizer.param_groups:
             group["lr"] = rate(step, steps)

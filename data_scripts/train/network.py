@@ -3,6 +3,9 @@
 import numpy as np
 import torch
 from kernels import Edges, Invariants, Messages, Sums
+from torch import nn
+from torch.nn.functional import hardswish, normalize
+
 from meshfair.checks import Floats
 from meshfair.filters.learned import (
     BANK,
@@ -13,8 +16,6 @@ from meshfair.filters.learned import (
     Rings,
     invariants,
 )
-from torch import nn
-from torch.nn.functional import hardswish, normalize
 
 C, H, K = SCALARS, HIDDEN, CHANNELS
 
@@ -84,4 +85,8 @@ def tensors(G: Floats, rings: Rings) -> tuple[torch.Tensor, torch.Tensor, Edges]
     arrays = [np.ascontiguousarray(a, np.float32) for a in (*rings.ways, rings.share)]
     edges = Edges(R.indptr.astype(np.int64), R.indices.astype(np.int64), *arrays)
     x, G = invariants(G, rings.scalars), G.transpose(0, 2, 1)
-    return torch.from_numpy(np.float32(x)), torch.from_numpy(np.ascontiguousarray(G, np.float32)), edges
+    return (
+        torch.from_numpy(np.float32(x)),
+        torch.from_numpy(np.ascontiguousarray(G, np.float32)),
+        edges,
+    )

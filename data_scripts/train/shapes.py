@@ -1,11 +1,12 @@
 """The shapes that the network learns from: made here, each from its number."""
 
 import numpy as np
-from meshfair import mesh
-from meshfair.checks import Floats, Integers
 from solids import solid, thin
 from surfaces import blobs, rounded, sheets
 from tessellations import WAYS, compact, cut, isotropic, subdivided, with_detail
+
+from meshfair import mesh
+from meshfair.checks import Floats, Integers
 
 Mesh = tuple[Floats, Integers]
 

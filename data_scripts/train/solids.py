@@ -2,6 +2,7 @@
 
 import manifold3d as m3
 import numpy as np
+
 from meshfair.checks import Floats, Integers
 
 Mesh = tuple[Floats, Integers]

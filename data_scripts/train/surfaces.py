@@ -1,8 +1,9 @@
 """Smooth surfaces and rounded solids, as level sets of functions of space."""
 
 import numpy as np
-from meshfair.checks import Floats, Integers
 from skimage.measure import marching_cubes
+
+from meshfair.checks import Floats, Integers
 
 Mesh = tuple[Floats, Integers]
 

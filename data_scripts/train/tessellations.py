@@ -2,6 +2,7 @@
 
 import numpy as np
 import pymeshlab as ml
+
 from meshfair import mesh
 from meshfair.checks import Floats, Integers
 

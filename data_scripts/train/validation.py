@@ -8,12 +8,12 @@ from collections.abc import Callable
 
 import manifold3d as m3
 import numpy as np
-from meshfair import mesh
-from meshfair import shapes as built_in
-from meshfair.checks import Floats, Integers
 from scipy.spatial import ConvexHull
 from skimage.measure import marching_cubes
 from tessellations import decimated, isotropic
+
+from meshfair import shapes as built_in
+from meshfair.checks import Floats, Integers
 
 Mesh = tuple[Floats, Integers]
 

@@ -18,10 +18,9 @@ def mean_lengths(R, C, area, total):
 
 def message_sums(w, p, r, v, rings):
     """As `meshfair.filters.learned.message_sums`, with its P [...] as p, its Q [...] as r."""
-    m, _, K = v.shape
     s, u = np.empty_like(p), np.empty_like(v)
     on_all_cores(
-        _message_sums, m, *unsigned(rings.R.indptr, rings.R.indices),
+        _message_sums, len(v), *unsigned(rings.R.indptr, rings.R.indices),
         rings.C, rings.smooth, rings.area, rings.total, rings.size,
         p, r, v, *_transposed(w), s, u, block=BLOCK,
     )  # fmt: skip

@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
 from meshfair import _fast
-from meshfair.checks import Floats, Integers, check_count, check_fixed, check_mesh
+from meshfair.checks import Floats, check_count, check_fixed, check_mesh
 from meshfair.filters.guided_normal import Patches
 from meshfair.filters.neighbourhoods import entries, face_rings
 from meshfair.filters.normal_bank import COUNT, filtered_normals, surfaces
@@ -234,9 +234,7 @@ def first_features(w: Weights, G: Floats, rings: Rings) -> tuple[Floats, Floats]
     return h, v
 
 
-def exchanged(
-    w: Weights, layer: int, h: Floats, v: Floats, rings: Rings
-) -> tuple[Floats, Floats]:
+def exchanged(w: Weights, layer: int, h: Floats, v: Floats, rings: Rings) -> tuple[Floats, Floats]:
     """Features after one exchange of messages within the rings.
 
     With `message_sums` s and u, a network of two layers finds from h, s, |v|^2 and |u|^2 what
