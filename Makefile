@@ -11,7 +11,7 @@ SETUP := pyproject.toml constraints.txt
 FUZZ_SECONDS ?= 600
 
 .DEFAULT_GOAL := help
-.PHONY: help report check test lab data shapes bench mutate fuzz assignments lint types format clean system
+.PHONY: help report check test lab data shapes train bench mutate fuzz assignments lint types format clean system
 
 help: ## list these targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1|/' | \
@@ -38,6 +38,9 @@ data: $(VENV)/report.done ## download the real meshes (MESHFAIR_MIRROR=DIR: copy
 
 shapes: $(VENV)/fast.done ## write the built-in shapes to data/
 	$(BIN)/python data_scripts/write_shapes.py
+
+train: $(VENV)/train.done ## train the learned filter anew (two hours), or go on where that was interrupted
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python data_scripts/train
 
 bench: LISTS := apt.txt apt-bench.txt
 bench: $(VENV)/bench.done system ## measure times and memory beside other libraries (a quarter of an hour)

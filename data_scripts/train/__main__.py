@@ -18,7 +18,7 @@ import torch
 import validation
 from examples import KINDS, LARGEST, Example, Surface, noisy
 from learn import learn
-from network import Stage, tensors
+from network import Stage
 from score import score
 from shapes import Mesh, shape
 
@@ -99,7 +99,7 @@ class Examples:
         free = np.zeros(len(V), dtype=bool)
         for stage in self.stages:
             with torch.no_grad():
-                wanted = stage(*tensors(*example.inputs())).numpy().astype(float)
+                wanted = stage(*example.inputs).numpy().astype(float)
             for _ in range(MOVES):
                 V = move_vertices(V, F, surface.B, wanted, free)
             example = Example(surface, V, np.stack([of_input, wanted], axis=1))
@@ -126,8 +126,8 @@ def angles(stage: Stage, examples: dict[str, list[Example]]) -> dict[str, float]
         means = []
         for example in group:
             with torch.no_grad():
-                N = stage(*tensors(*example.inputs())).numpy()
-            cosine = np.sum(N * example.surface.N, axis=1)
+                N = stage(*example.inputs).numpy()
+            cosine = np.sum(N * example.wanted.numpy(), axis=1)
             means.append(np.degrees(np.arccos(np.clip(cosine, -1, 1))).mean())
         found[column] = float(np.mean(means))
     return found

@@ -1,6 +1,8 @@
 """Examples: a shape, noise of a random kind and size on it, and what a stage is then given."""
 
 import numpy as np
+import torch
+from network import tensors
 
 from meshfair import _fast, mesh, noise, operators, weights
 from meshfair.checks import Floats, Integers
@@ -65,7 +67,7 @@ class Surface:
 
 
 class Example:
-    """What a stage is given of a noisy surface, in single precision, and what it should give.
+    """What a stage is given of a noisy surface, and the normals that it should give.
 
     Parameters
     ----------
@@ -83,11 +85,6 @@ class Example:
         N, area, C = mesh.face_shapes(V, F)
         smooth = mesh.face_shapes(smoothed[0], F)[2]
         G = np.concatenate([bank, previous], axis=1)
-        self.surface = surface
-        self.arrays = [x.astype(np.float32) for x in (G, C, smooth, area)]
-        self.noisy = np.linalg.norm(N - surface.N, axis=1).mean()
-
-    def inputs(self) -> tuple[Floats, Rings]:
-        """The bank of normals, and the rings."""
-        G, *arrays = (np.float64(x) for x in self.arrays)
-        return G, Rings(self.surface.patches.rings, *arrays)
+        self.inputs = tensors(G, Rings(surface.patches.rings, C, smooth, area))
+        self.wanted = torch.from_numpy(surface.N).float()
+        self.noisy = float(np.linalg.norm(N - surface.N, axis=1).mean())

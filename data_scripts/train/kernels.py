@@ -82,6 +82,22 @@ class Sums(torch.autograd.Function):
         return *map(torch.from_numpy, back), None
 
 
+class Mixed(torch.autograd.Function):
+    """x @ w for each face: (m, 3, B) and (m, B, K) to (m, 3, K)."""
+
+    @staticmethod
+    def forward(ctx: Any, x: torch.Tensor, w: torch.Tensor) -> torch.Tensor:
+        """Shape (m, 3, K)."""
+        ctx.data = x.detach().contiguous().numpy(), w.detach().contiguous().numpy()
+        return torch.from_numpy(_mixed(*ctx.data))
+
+    @staticmethod
+    @once_differentiable
+    def backward(ctx: Any, g: torch.Tensor) -> Any:
+        """By x and w."""
+        return tuple(map(torch.from_numpy, _mixed_back(*ctx.data, g.contiguous().numpy())))
+
+
 def _ends_and_share(edges: Edges) -> tuple[Any, ...]:
     start, end, *_, share = edges.arrays
     return start, end, share
@@ -187,3 +203,30 @@ def _sums_back(z, c, v, start, end, share, gs, gu):
                     x[k] += w * g[k] * b[k]
                     gb[k] += w * g[k] * c[e, k]
     return gz, gc, gv
+
+
+@loop
+def _mixed(x, w):
+    m, B, K = w.shape
+    y = np.zeros((m, 3, K), np.float32)
+    for i in range(m):
+        for axis in range(3):
+            for b in range(B):
+                for k in range(K):
+                    y[i, axis, k] += x[i, axis, b] * w[i, b, k]
+    return y
+
+
+@loop
+def _mixed_back(x, w, g):
+    m, B, K = w.shape
+    gx, gw = np.zeros_like(x), np.zeros_like(w)
+    for i in range(m):
+        for axis in range(3):
+            for b in range(B):
+                total = np.float32(0)
+                for k in range(K):
+                    total += g[i, axis, k] * w[i, b, k]
+                    gw[i, b, k] += g[i, axis, k] * x[i, axis, b]
+                gx[i, axis, b] = total
+    return gx, gw

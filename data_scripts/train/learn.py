@@ -8,12 +8,12 @@ from time import perf_counter
 import numpy as np
 import torch
 from examples import Example
-from network import Stage, tensors
+from network import Stage
 
 RATE = 2e-3  # of Adam, after a short start and before the decay
 START, DECAY = 300, 0.35  # steps to begin with; share of all steps in which the rate falls
 AVERAGED = 0.998  # how much of their mean the weights keep in each step
-FIRST, NEW, KEPT = 100, 0.4, 1200  # examples at first, new ones a step, examples kept
+FIRST, NEW, KEPT = 100, 0.3, 700  # examples at first, new ones a step, examples kept
 REPORT = 100  # steps between two lines
 
 
@@ -93,8 +93,7 @@ def learn(
         example = pool.draw(step, np.random.default_rng([1, step]))
         for group in optimizer.param_groups:
             group["lr"] = rate(step, steps)
-        N = stage(*tensors(*example.inputs()))
-        error = (N - torch.from_numpy(example.surface.N).float()).norm(dim=1).mean()
+        error = (stage(*example.inputs) - example.wanted).norm(dim=1).mean()
         loss = error / (0.1 + example.noisy)
         optimizer.zero_grad()
         loss.backward()
@@ -104,7 +103,7 @@ def learn(
             keep = min(AVERAGED, step / (step + 10))
             for a, b in zip(mean.parameters(), stage.parameters(), strict=True):
                 a.lerp_(b, 1 - keep)
-        recent.append((float(loss.detach()), float(example.noisy), float(error.detach())))
+        recent.append((float(loss.detach()), example.noisy, float(error.detach())))
         done = step + 1
         if done % REPORT == 0 or done == steps:
             seconds = perf_counter() - began

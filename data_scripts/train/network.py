@@ -2,7 +2,7 @@
 
 import numpy as np
 import torch
-from kernels import Edges, Invariants, Messages, Sums
+from kernels import Edges, Invariants, Messages, Mixed, Sums
 from torch import nn
 from torch.nn.functional import hardswish, normalize
 
@@ -45,7 +45,7 @@ class Layer(nn.Module):
         u = u.view(-1, 3, K)
         w = self.second(hardswish(self.first(torch.cat([q, s, (u * u).sum(1)], 1))))
         mix = w[:, C:].reshape(-1, 2 * K, K)
-        v = v + u + 0.1 * (torch.cat([v, u], 2) @ mix)
+        v = v + u + 0.1 * (Mixed.apply(torch.cat([v, u], 2), mix))
         v = v / torch.sqrt(0.01 + (v * v).sum(1, keepdim=True).mean(2, keepdim=True))
         return self.norm(h + w[:, :C]), v
 
@@ -71,11 +71,11 @@ class Stage(nn.Module):
         """Unit normals from invariants x (m, .), the bank G (m, 3, BANK) and the edges."""
         h = self.second(hardswish(self.first(x)))
         h = h + self.all(h.mean(0, keepdim=True))
-        v = G @ self.mix(h).view(-1, BANK, K)
+        v = Mixed.apply(G, self.mix(h).view(-1, BANK, K))
         for layer in self.layers:
             h, v = layer(h, v, edges)
         w = self.out(hardswish(self.third(torch.cat([h, (v * v).sum(1)], 1))))
-        n = (torch.cat([v, G], 2) @ w[:, :, None])[:, :, 0]
+        n = (torch.cat([v, G], 2) * w[:, None]).sum(2)
         return normalize(n, dim=1, eps=1e-12)
 
 
