@@ -9,6 +9,7 @@ The weights go to lib/meshfair/filters/learned.npz, the curve and the score to r
 import argparse
 import csv
 import subprocess
+from collections.abc import Iterator
 from functools import cache, partial
 from multiprocessing import Pool
 from pathlib import Path
@@ -23,12 +24,14 @@ from score import score
 from shapes import Mesh, shape
 
 from meshfair import denoising, mesh, noise
+from meshfair import shapes as built_in
 from meshfair.checks import Floats
 from meshfair.filters.normal_filtering import move_vertices
 
 ROOT = Path(__file__).resolve().parents[2]
 WEIGHTS = ROOT / "lib" / "meshfair" / "filters" / "learned.npz"
 RESULTS = ROOT / "report" / "results"
+FIGURES = ROOT / "tests" / "learned.npz"  # what torch makes of a small mesh, for the tests
 MOVES = 20  # how often the vertices are moved after a stage: the filter's default
 NAMES = ("first", "second")
 STEPS = 16_000, 8_000
@@ -92,18 +95,24 @@ class Examples:
         return self.seen(surface, noisy(surface.V, surface.F, rng))
 
     def seen(self, surface: Surface, V: Floats) -> Example:
-        """What the stage sees of noisy positions."""
-        F = surface.F
-        of_input, wanted = mesh.face_normals(V, F), np.zeros((len(F), 3))
-        example = Example(surface, V, np.zeros((len(F), 2, 3)))
-        free = np.zeros(len(V), dtype=bool)
-        for stage in self.stages:
-            with torch.no_grad():
-                wanted = stage(*example.inputs).numpy().astype(float)
-            for _ in range(MOVES):
-                V = move_vertices(V, F, surface.B, wanted, free)
-            example = Example(surface, V, np.stack([of_input, wanted], axis=1))
+        """What the next stage sees of noisy positions."""
+        *_, (example, _) = passes(self.stages, surface, V)
         return example
+
+
+def passes(stages: list[Stage], surface: Surface, V: Floats) -> Iterator[tuple[Example, Floats]]:
+    """What the first stage sees, and positions; then what each stage leaves of them."""
+    F, free = surface.F, np.zeros(len(V), dtype=bool)
+    of_input = mesh.face_normals(V, F)
+    example = Example(surface, V, np.zeros((len(F), 2, 3)))
+    yield example, V
+    for stage in stages:
+        with torch.no_grad():
+            wanted = stage(*example.inputs).numpy().astype(float)
+        for _ in range(MOVES):
+            V = move_vertices(V, F, surface.B, wanted, free)
+        example = Example(surface, V, np.stack([of_input, wanted], axis=1))
+        yield example, V
 
 
 def validation_examples(make: Examples) -> dict[str, list[Example]]:
@@ -156,6 +165,10 @@ def export(stages: list[Stage], options: argparse.Namespace) -> None:
         "torch": torch.__version__,
     }
     np.savez_compressed(WEIGHTS, record=np.array(list(record.items())).T, **arrays)
+    V, F = built_in.torus(sections=8, sides=5)
+    V = noise.gaussian(V, F, 0.2, np.random.default_rng(0))
+    (_, V), (_, first), (_, second) = passes(stages, Surface(V, F), V)
+    np.savez_compressed(FIGURES, V=V, F=F, first=first, second=second)
     with (RESULTS / "training.csv").open("w", newline="") as file:
         table = csv.DictWriter(file, list(rows[0]))
         table.writeheader()

@@ -6,8 +6,8 @@ from network import tensors
 
 from meshfair import _fast, mesh, noise, operators, weights
 from meshfair.checks import Floats, Integers
+from meshfair.filters.face_network import Rings
 from meshfair.filters.guided_normal import Patches
-from meshfair.filters.learned import Rings
 from meshfair.filters.neighbourhoods import face_rings
 from meshfair.filters.normal_bank import filtered_normals, surfaces
 from meshfair.mesh.geometry import incidence

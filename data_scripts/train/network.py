@@ -1,4 +1,4 @@
-"""The network of one stage, in torch: `meshfair.filters.learned` says what it computes."""
+"""The network of one stage, in torch: `meshfair.filters.face_network` says what it computes."""
 
 import numpy as np
 import torch
@@ -7,7 +7,7 @@ from torch import nn
 from torch.nn.functional import hardswish, normalize
 
 from meshfair.checks import Floats
-from meshfair.filters.learned import (
+from meshfair.filters.face_network import (
     BANK,
     CHANNELS,
     HIDDEN,

@@ -1,6 +1,7 @@
 """The shapes that the network learns from: made here, each from its number."""
 
 import numpy as np
+from grids import grid
 from solids import solid, thin
 from surfaces import blobs, rounded, sheets
 from tessellations import WAYS, compact, cut, isotropic, subdivided, with_detail
@@ -11,11 +12,13 @@ from meshfair.checks import Floats, Integers
 Mesh = tuple[Floats, Integers]
 
 # Generators, how often each is taken, and how often its shapes get fine detail.
-SHARP = {solid: (0.37, 0.1), thin: (0.1, 0.1)}
-SMOOTH = {rounded: (0.2, 0.3), blobs: (0.25, 0.75), sheets: (0.08, 0.4)}
+SHARP = {solid: (0.33, 0.1), thin: (0.1, 0.1)}
+SMOOTH = {rounded: (0.18, 0.3), blobs: (0.21, 0.75), sheets: (0.06, 0.4)}
+REGULAR = {grid: (0.12, 0.1)}
 
-FACES = 2_000, 4_500  # the least and the most that are asked for
-FEWEST, MOST = 800, 9_000  # what may come of it
+FACES = 2_000, 4_500  # the least and the most that are asked for, where there are edges
+COARSE = 600  # the least where it is smooth
+FEWEST, MOST = 400, 9_000  # what may come of it
 
 
 def shape(number: int) -> Mesh:
@@ -28,12 +31,13 @@ def shape(number: int) -> Mesh:
 
 
 def _attempt(rng: np.random.Generator) -> Mesh:
-    makers = SHARP | SMOOTH
+    makers = SHARP | SMOOTH | REGULAR
     make = _drawn({maker: share for maker, (share, _) in makers.items()}, rng)
     way = _drawn(WAYS, rng)
-    faces = int(rng.integers(*FACES))
+    least, most = FACES if make in SHARP else (COARSE, FACES[1])
+    faces = int(np.exp(rng.uniform(np.log(least), np.log(most))))
     raw = make in SMOOTH and rng.random() < 0.15  # as marching cubes leaves it
-    if make in SHARP:
+    if make in SHARP or make in REGULAR:
         V, F = make(rng)
     else:
         V, F = make(rng, int(rng.integers(20, 30) if raw else rng.integers(44, 60)))
@@ -41,7 +45,7 @@ def _attempt(rng: np.random.Generator) -> Mesh:
         return V, F
     if make in SMOOTH:
         V, F = _largest_part(V, F)
-    if not raw:
+    if not raw and make not in REGULAR:
         V, F = (isotropic if make in SMOOTH and way is subdivided else way)(V, F, faces, rng)
     if rng.random() < makers[make][1]:
         V = with_detail(V, F, rng)

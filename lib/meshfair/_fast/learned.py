@@ -9,7 +9,7 @@ BLOCK = 1024
 
 
 def mean_lengths(R, C, area, total):
-    """As `meshfair.filters.learned.Rings.mean_length`."""
+    """As `meshfair.filters.face_network.Rings.mean_length`."""
     length = np.empty(len(C))
     rows = unsigned(R.indptr, R.indices)
     on_all_cores(_mean_lengths, len(C), *rows, C, area, total, length, block=BLOCK)
@@ -17,7 +17,7 @@ def mean_lengths(R, C, area, total):
 
 
 def message_sums(w, p, r, v, rings):
-    """As `meshfair.filters.learned.message_sums`, with its P [...] as p, its Q [...] as r."""
+    """As `meshfair.filters.face_network.message_sums`, with its P [...] as p, its Q [...] as r."""
     s, u = np.empty_like(p), np.empty_like(v)
     on_all_cores(
         _message_sums, len(v), *unsigned(rings.R.indptr, rings.R.indices),
