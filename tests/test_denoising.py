@@ -9,7 +9,7 @@ from meshfair import denoising, filters, metrics, noise, operators, shapes, weig
 
 NAMES = [
     "averaging", "heat", "implicit", "regularised", "taubin", "bilateral", "sun",
-    "bilateral-normal", "guided-normal", "l0", "feature-convinced",
+    "bilateral-normal", "guided-normal", "l0", "feature-convinced", "learned",
 ]  # fmt: skip
 QUICK = [name for name in NAMES if name != "l0"]
 

@@ -67,7 +67,7 @@ def learned(
     networks = trained()
     stages = check_count(stages, "stages", 1)
     if stages > len(networks):
-        raise ValueError(f"stages is {stages}, but {len(networks)} stages were trained")
+        raise ValueError(f"stages is {stages}; give 1 or {len(networks)}")
     vertex_iterations = check_count(vertex_iterations, "vertex_iterations")
     fixed = check_fixed(fixed, len(V))
     B = incidence(F, len(V))
