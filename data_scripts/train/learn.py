@@ -2,6 +2,7 @@
 
 import csv
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from time import perf_counter
 
@@ -14,6 +15,7 @@ RATE = 2e-3  # of Adam, after a short start and before the decay
 START, DECAY = 300, 0.35  # steps to begin with; share of all steps in which the rate falls
 AVERAGED = 0.998  # how much of their mean the weights keep in each step
 FIRST, NEW, KEPT = 100, 0.3, 700  # examples at first, new ones a step, examples kept
+AHEAD = 3  # examples that are made before their step
 REPORT = 100  # steps between two lines
 
 
@@ -24,11 +26,11 @@ def rate(step: int, steps: int) -> float:
 
 
 class Pool:
-    """The latest examples, each made from its number alone."""
+    """The latest examples, each made from its number alone, by a thread of its own."""
 
     def __init__(self, make: Callable[[int], Example]) -> None:
-        self.make = make
-        self.examples: dict[int, Example] = {}
+        self.make, self.thread = make, ThreadPoolExecutor(1)
+        self.examples: dict[int, Future[Example]] = {}
 
     def draw(self, step: int, rng: np.random.Generator) -> Example:
         """One of the examples of a step."""
@@ -37,11 +39,11 @@ class Pool:
         for number in [k for k in self.examples if k < first]:
             del self.examples[number]
         number = int(rng.integers(first, end))
-        newest = range(max(first, FIRST + int(NEW * (step - 1))), end) if step else ()
-        for k in {number, *newest}:  # others, after an interruption, when they are drawn
+        # Those of the next steps, too. Others, after an interruption, when they are drawn.
+        for k in (number, *range(end, end + AHEAD)):
             if k not in self.examples:
-                self.examples[k] = self.make(k)
-        return self.examples[number]
+                self.examples[k] = self.thread.submit(self.make, k)
+        return self.examples[number].result()
 
 
 def learn(
