@@ -11,18 +11,18 @@ import torch
 from examples import Example
 from network import Stage
 
-RATE = 2e-3  # of Adam, after a short start and before the decay
-START, DECAY = 300, 0.35  # steps to begin with; share of all steps in which the rate falls
-AVERAGED = 0.998  # how much of their mean the weights keep in each step
-FIRST, NEW, KEPT = 100, 0.3, 700  # examples at first, new ones a step, examples kept
-AHEAD = 3  # examples that are made before their step
-REPORT = 100  # steps between two lines
+RATE, WARMING = 1e-3, 50  # of Adam at its highest; steps until then
+BATCH = 4  # meshes a step
+AVERAGED = 0.99  # how much of their mean the weights keep in each step
+FIRST, NEW, KEPT = 100, 1.2, 700  # examples at first, new ones a step, examples kept
+REPORT = 25  # steps between two lines
+VALIDATED = 250  # steps between two looks at the validation shapes
 
 
 def rate(step: int, steps: int) -> float:
-    """The learning rate at a step."""
-    left = (steps - step) / (DECAY * steps)
-    return RATE * min(1.0, (step + 1) / START, max(left, 0.01))
+    """The learning rate at a step: it rises for a while, and falls along a cosine."""
+    falling = (1 + np.cos(np.pi * step / steps)) / 2
+    return RATE * min(1.0, (step + 1) / WARMING, max(falling, 0.01))
 
 
 class Pool:
@@ -32,18 +32,18 @@ class Pool:
         self.make, self.thread = make, ThreadPoolExecutor(1)
         self.examples: dict[int, Future[Example]] = {}
 
-    def draw(self, step: int, rng: np.random.Generator) -> Example:
-        """One of the examples of a step."""
+    def draw(self, step: int, rng: np.random.Generator) -> list[Example]:
+        """The examples of a step."""
         end = FIRST + int(NEW * step)
         first = max(0, end - KEPT)
         for number in [k for k in self.examples if k < first]:
             del self.examples[number]
-        number = int(rng.integers(first, end))
-        # Those of the next steps, too. Others, after an interruption, when they are drawn.
-        for k in (number, *range(end, end + AHEAD)):
+        drawn = rng.integers(first, end, BATCH).tolist()
+        # Those of the next step, too. Others, after an interruption, when they are drawn.
+        for k in (*drawn, *range(end, FIRST + int(NEW * (step + 1)))):
             if k not in self.examples:
                 self.examples[k] = self.thread.submit(self.make, k)
-        return self.examples[number].result()
+        return [self.examples[k].result() for k in drawn]
 
 
 def learn(
@@ -68,7 +68,7 @@ def learn(
     start : Path, optional
         The state of a stage whose weights to begin with.
     validate : function, optional
-        From a stage to what the curve says of it, every 1,000 steps.
+        From a stage to what the curve says of it, now and then.
 
     Returns
     -------
@@ -78,7 +78,7 @@ def learn(
     state, curve = folder / f"{name}.pt", folder / f"{name}.csv"
     torch.manual_seed(0)
     stage, mean = Stage(), Stage()
-    optimizer = torch.optim.AdamW(stage.parameters(), RATE, betas=(0.9, 0.99), weight_decay=1e-4)
+    optimizer = torch.optim.AdamW(stage.parameters(), RATE, betas=(0.9, 0.995), weight_decay=1e-4)
     begin, seconds = 0, 0.0
     if state.exists():
         saved = torch.load(state, weights_only=True)
@@ -91,27 +91,38 @@ def learn(
     if begin == 0:
         mean.load_state_dict(stage.state_dict())
     pool, recent, began = Pool(make), [], perf_counter() - seconds
-    for step in range(begin, steps):
-        example = pool.draw(step, np.random.default_rng([1, step]))
-        for group in optimizer.param_groups:
-            group["lr"] = rate(step, steps)
+    parameters = list(stage.parameters())
+
+    def loss_of(example: Example) -> tuple[tuple[torch.Tensor, ...], float, float]:
         error = (stage(*example.inputs) - example.wanted).norm(dim=1).mean()
         loss = error / (0.1 + example.noisy)
-        optimizer.zero_grad()
-        loss.backward()
-        torch.nn.utils.clip_grad_norm_(stage.parameters(), 1.0)
-        optimizer.step()
+        return torch.autograd.grad(loss, parameters), float(loss.detach()), float(error.detach())
+
+    threads = ThreadPoolExecutor(2)
+    for step in range(begin, steps):
+        examples = pool.draw(step, np.random.default_rng([1, step]))
+        gradients, losses, errors = zip(*threads.map(loss_of, examples), strict=True)
+        for parameter, *parts in zip(parameters, *gradients, strict=True):
+            parameter.grad = sum(parts) / BATCH
+        for group in optimizer.param_groups:
+            group["lr"] = rate(step, steps)
+        size = torch.nn.utils.clip_grad_norm_(parameters, 1.0)
+        if torch.isfinite(size):  # a step without end would be the last one
+            optimizer.step()
         with torch.no_grad():
             keep = min(AVERAGED, step / (step + 10))
             for a, b in zip(mean.parameters(), stage.parameters(), strict=True):
                 a.lerp_(b, 1 - keep)
-        recent.append((float(loss.detach()), example.noisy, float(error.detach())))
+        noisy = np.mean([example.noisy for example in examples])
+        recent.append((np.mean(losses), noisy, np.mean(errors), float(size)))
         done = step + 1
         if done % REPORT == 0 or done == steps:
             seconds = perf_counter() - began
-            row = dict(zip(("loss", "noisy", "error"), np.mean(recent, axis=0), strict=True))
+            row = dict(
+                zip(("loss", "noisy", "error", "slope"), np.mean(recent, axis=0), strict=True)
+            )
             row = {"step": done, "seconds": seconds, "rate": rate(step, steps)} | row
-            if validate is not None and (done % (10 * REPORT) == 0 or done == steps):
+            if validate is not None and (done % VALIDATED == 0 or done == steps):
                 row |= validate(mean)
             recent = []
             _append(curve, row)
@@ -138,4 +149,4 @@ def _append(curve: Path, row: dict[str, float]) -> None:
         writer.writerow({key: f"{value:.6g}" for key, value in row.items()})
 
 
-COLUMNS = ["step", "seconds", "rate", "loss", "noisy", "error", "sharp", "smooth"]
+COLUMNS = ["step", "seconds", "rate", "loss", "noisy", "error", "slope", "sharp", "smooth"]
