@@ -1,6 +1,7 @@
 """Training of one stage, step by step; it goes on where it was interrupted."""
 
 import csv
+import math
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
@@ -21,7 +22,7 @@ VALIDATED = 250  # steps between two looks at the validation shapes
 
 def rate(step: int, steps: int) -> float:
     """The learning rate at a step: it rises for a while, and falls along a cosine."""
-    falling = (1 + np.cos(np.pi * step / steps)) / 2
+    falling = (1 + math.cos(math.pi * step / steps)) / 2
     return RATE * min(1.0, (step + 1) / WARMING, max(falling, 0.01))
 
 
