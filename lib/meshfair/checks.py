@@ -537,5 +537,14 @@ def needed_for(purpose: str) -> Iterator[None]:
 
 
 def install(extra: str) -> str:
-    """The command that installs the libraries of an extra."""
+    """The command that installs the libraries of an extra.
+
+    Parameters
+    ----------
+    extra : str
+
+    Returns
+    -------
+    str
+    """
     return f'pip install "meshfair[{extra}]"'

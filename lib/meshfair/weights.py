@@ -89,7 +89,7 @@ def cotangent(V: ArrayLike, F: ArrayLike | Edges, *, negative: str = "keep") -> 
 
     A weight is negative where the two angles sum to more than 180 degrees.
     A boundary edge has its one angle; where more than two faces meet, all
-    are summed; a face that is stored twice counts once.
+    are summed; duplicate faces count once.
 
     Parameters
     ----------

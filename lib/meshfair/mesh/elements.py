@@ -117,7 +117,7 @@ class Edges:
 
     @property
     def of_half_edge(self) -> Integers:
-        """The edge that each of the grouped half-edges lies on."""
+        """The edge that each of the grouped half-edges lies on; int64, shape (3m',)."""
         return np.repeat(np.arange(len(self)), self.faces_of_edge)
 
     @cached_property
@@ -290,7 +290,16 @@ def warn_of_degenerate_faces(V: Floats, F: Integers, effect: str) -> None:
 
 
 def normalised(X: Floats) -> Floats:
-    """Rows of length one; a row of zeros, which has no direction, stays zero."""
+    """Rows of length one; a row of zeros, which has no direction, stays zero.
+
+    Parameters
+    ----------
+    X : ndarray of float64, shape (m, 3)
+
+    Returns
+    -------
+    ndarray of float64, shape (m, 3)
+    """
     length = np.linalg.norm(X, axis=1, keepdims=True)
     return np.divide(X, length, out=np.zeros_like(X), where=length > 0)
 

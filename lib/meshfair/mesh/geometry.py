@@ -122,9 +122,15 @@ def face_shapes(V: Floats, F: Integers) -> tuple[Floats, Floats, Floats]:
 def edge_lengths(V: ArrayLike, F: ArrayLike) -> Floats:
     """Lengths of the edges, each edge once, in the order of `Edges`.
 
+    Parameters
+    ----------
+    V : array_like, shape (n, 3)
+    F : array_like of integers, shape (m, 3)
+
     Returns
     -------
     ndarray of float64, shape (k,)
+        In the units of ``V``.
     """
     V, F = check_mesh(V, F)
     return Edges(F, len(V)).lengths(V)
@@ -171,7 +177,18 @@ def degenerate_faces(V: ArrayLike, F: ArrayLike) -> Booleans:
 
 
 def area(V: ArrayLike, F: ArrayLike) -> float:
-    """Area of the surface, in squared units of length."""
+    """Area of the surface: the sum over all faces.
+
+    Parameters
+    ----------
+    V : array_like, shape (n, 3)
+    F : array_like of integers, shape (m, 3)
+
+    Returns
+    -------
+    float
+        In squared units of length.
+    """
     return float(face_areas(V, F).sum())
 
 
