@@ -95,7 +95,7 @@ def read(source: str | bytes, rules: Rules) -> Reading:
             Failure("not allowed", found.what, found.line, lines[found.line - 1].strip())
             for found in _violations_in(statement, library)
         ]
-        failure = (broken + hanging or [None])[0]
+        failure = next(iter(broken + hanging), None)
         kept = failure is None or isinstance(statement, ast.Try)  # which copes with what is missing
         if isinstance(statement, Function):
             kept = names.at_once.isdisjoint(tainted)
