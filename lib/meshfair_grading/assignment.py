@@ -248,10 +248,11 @@ def _decisive(found: list[tuple[Graded | WrongAnswerError, str]]) -> tuple[Grade
     )
     if isinstance(one, Graded):
         return one, tried
-    hint = one.hint
-    for explanation in one.explanations or ():
-        if all(explanation in (other.explanations or ()) for other, _ in found
-               if isinstance(other, WrongAnswerError) and other.share == one.share):  # fmt: skip
-            hint = explanation
-            break
+    others = [wrong.explanations for wrong, _ in found if isinstance(wrong, WrongAnswerError)]
+    shared = (
+        explanation
+        for explanation in one.explanations or ()
+        if all(explanation in other for other in others if other is not None)
+    )
+    hint = next(shared, one.hint)
     return Graded(one.share, hint, one.expected, one.got), tried

@@ -252,8 +252,9 @@ def _explain(
     """Raise for wrong values, with the mistakes that explain them."""
     if not np.isfinite(got).all():
         wrong = _not_finite(got, name)
-        hint = explanations[0] if explanations else wrong.hint
-        raise WrongAnswerError(hint, expected=wrong.expected, got=wrong.got)
+        raise WrongAnswerError(
+            wrong.hint, expected=wrong.expected, got=wrong.got, explanations=explanations or None
+        )
     explanations = explanations + [
         hint for hint, values in _general(expected, name) if alike(got, values, tolerance)
     ]
@@ -305,7 +306,7 @@ def proportional(got: Any, expected: Any, name: str, *, mistakes: Mistakes = ())
 
 
 def _scaled(values: Floats, scale: float) -> Floats:
-    return values * (scale / (np.abs(values).sum() or 1.0))
+    return values * (scale / (np.abs(values[np.isfinite(values)]).sum() or 1.0))
 
 
 @dataclass(frozen=True)

@@ -49,9 +49,6 @@ def unseen(seed: int, *, ring: bool = False, opened: bool = False) -> tuple[Floa
 def sphere(n: int, rng: np.random.Generator) -> tuple[Floats, Integers]:
     """The unit sphere with any number of vertices, spread irregularly but evenly.
 
-    As the convex hull of points on a sphere it is a Delaunay triangulation: no
-    cotangent weight is negative.
-
     Parameters
     ----------
     n : int
@@ -78,6 +75,38 @@ def sphere(n: int, rng: np.random.Generator) -> tuple[Floats, Integers]:
     inward = (np.cross(b - a, c - a) * a).sum(axis=1) < 0
     F[inward] = F[inward, ::-1]
     return V, F
+
+
+def tower(rng: np.random.Generator) -> tuple[Floats, Integers]:
+    """A closed tower of rings with a random number of vertices (22 to 98) and no obtuse angle.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    V : ndarray of float64, shape (n, 3)
+    F : ndarray of int64, shape (2 n - 4, 3)
+        Outward.
+    """
+    sides, rings = rng.integers((5, 4), (9, 13))
+    turn = np.arange(rings)[:, None] / 2 + np.arange(sides)  # each ring half a step further
+    angle = (2 * np.pi / sides * turn).ravel()
+    edge = 2 * np.sin(np.pi / sides)
+    height = np.repeat(0.87 * edge * np.arange(rings), sides)
+    walls = np.column_stack([np.cos(angle), np.sin(angle), height])
+    V = np.concatenate([walls, [[0, 0, -0.4], [0, 0, height[-1] + 0.4]]])
+    V += 0.05 * edge * rng.standard_normal(V.shape)
+    a = np.arange(sides * rings).reshape(rings, sides)
+    b = np.roll(a, -1, axis=1)
+    bottom, top = np.full(sides, sides * rings), np.full(sides, sides * rings + 1)
+    triangles = [
+        (a[:-1], b[:-1], a[1:]), (b[:-1], b[1:], a[1:]),
+        (bottom, b[0], a[0]), (top, a[-1], b[-1]),
+    ]  # fmt: skip
+    F = np.concatenate([np.column_stack([np.ravel(x) for x in corners]) for corners in triangles])
+    return V, F.astype(np.int64)
 
 
 def _on_sphere(V: Floats) -> Floats:

@@ -1,6 +1,6 @@
 # task: mean_edge_length
 # points: 1.5
-# hint: Each edge counts twice
+# hint: Inner edges count twice
 import numpy as np
 
 

@@ -1,5 +1,5 @@
 # task: add_noise
-# points: 3
+# points: 1
 # hint: you drew three numbers
 
 

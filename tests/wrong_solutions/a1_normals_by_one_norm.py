@@ -1,6 +1,6 @@
 # task: face_normals
 # points: 0
-# hint: axis=1 is missing
+# hint: by the norm of the whole array
 import numpy as np
 
 

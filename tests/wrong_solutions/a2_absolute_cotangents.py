@@ -1,6 +1,6 @@
 # task: cotangent_weights
 # points: 6
-# hint: absolute values
+# hint: cotangents of obtuse angles are negative
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 

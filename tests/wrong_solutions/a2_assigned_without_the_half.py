@@ -1,5 +1,5 @@
 # task: cotangent_weights
-# points: 1
+# points: 0
 # hint: forgets the first
 import numpy as np
 from scipy.sparse import lil_array

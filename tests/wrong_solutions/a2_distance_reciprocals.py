@@ -1,6 +1,6 @@
 # task: distance_weights
 # points: 1
-# hint: These are the reciprocals
+# hint: These are the reciprocals:
 import numpy as np
 from scipy.sparse import coo_array
 

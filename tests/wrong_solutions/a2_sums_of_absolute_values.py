@@ -1,6 +1,6 @@
 # task: averaging
 # points: 0
-# hint: sum of the absolute values
+# hint: by the sum of the absolute values
 from scipy.sparse import csr_array, diags_array
 
 

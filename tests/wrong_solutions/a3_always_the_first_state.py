@@ -1,6 +1,6 @@
 # task: heat
 # points: 0
-# hint: always that of the first state
+# hint: all start from the first state
 
 
 def heat(V, A, tau, steps):

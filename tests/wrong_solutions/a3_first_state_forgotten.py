@@ -1,6 +1,6 @@
 # task: best_stopping
-# points: 2
-# hint: the state before the first step
+# points: 3
+# hint: One step off
 import numpy as np
 
 

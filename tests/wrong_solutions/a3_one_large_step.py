@@ -1,6 +1,6 @@
 # task: heat
 # points: 0
-# hint: one step of size tau * steps
+# hint: all start from the first state
 
 
 def heat(V, A, tau, steps):

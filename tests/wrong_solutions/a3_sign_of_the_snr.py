@@ -1,5 +1,5 @@
 # task: best_stopping
-# points: 1
+# points: 0
 # hint: where the SNR is lowest
 import numpy as np
 

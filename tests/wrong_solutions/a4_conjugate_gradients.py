@@ -1,5 +1,5 @@
 # task: implicit_step
-# points: 2.5
+# points: 3.5
 # hint: see its tolerance
 import numpy as np
 from scipy.sparse.linalg import cg

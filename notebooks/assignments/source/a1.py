@@ -323,18 +323,14 @@ def check_mean_edge_length(student, V, F):
     lengths = mesh.edge_lengths(V, F)
     mistakes = [
         (
-            "You go through the triangles: inner edges count twice, boundary edges once. "
-            "Go through the edges.",
+            "Inner edges count twice, once in each direction, and boundary edges once: go through "
+            "the edges. (From the triangles: sort both indices of each row before np.unique.)",
             lambda: mean_over_faces(V, F),
         ),
         ("You take one of the three edges of each triangle; take ab, bc and ca.",
          lambda: np.linalg.norm(V[F[:, 0]] - V[F[:, 1]], axis=1).mean()),
         ("You take two of the three edges of each triangle: ca is missing.",
          lambda: mean_of_edges(V, np.concatenate([F[:, :2], F[:, 1:]]))),
-        ("Each edge counts twice, as (i, j) and as (j, i), on the boundary once: sort both "
-         "indices of each row before np.unique.",
-         lambda: np.linalg.norm(np.diff(V[np.unique(mesh.half_edges(F), axis=0)], axis=1),
-                                axis=2).mean()),
         ("This is the mean distance between all vertices; only edges count.",
          lambda: np.linalg.norm(V[:, None] - V, axis=2).sum() / (len(V) * (len(V) - 1))),
         ("This is the sum of the lengths, not their mean.", lengths.sum()),
@@ -464,8 +460,10 @@ def noise_is_white(student, V, N, eps, seed):
         hint = "The noise is eps times too small: was it multiplied by eps twice?"
     elif abs(deviation * eps - 1) < 0.1:
         hint = "The noise does not depend on eps: multiply by it."
-    elif abs(deviation - np.sqrt(eps)) < 0.1 * np.sqrt(eps):
+    elif abs(deviation * np.sqrt(eps) - 1) < 0.1:
         hint = "eps is the standard deviation, not the variance: no square root."
+    if np.linalg.norm(moved - eps * R[:, None] * N) > 0.1 * np.linalg.norm(moved):
+        hint = "The vertices do not move along their normals, so that this cannot be right either."
     expect.that(abs(mean) < 0.1 and abs(deviation - 1) < 0.1, hint, expected=expected, got=got)
     kurtosis = ((R - mean) ** 4).mean() / deviation**4
     expect.that(
@@ -545,6 +543,11 @@ def noisy_pairs(seed):
     ### END HIDDEN TESTS
 
 
+def noisy_in_the_denominator(V, V_noisy):
+    noise, noisy = (np.linalg.norm(X, axis=1).sum() for X in (V - V_noisy, V_noisy))
+    return -20 * np.log10(noise / noisy)
+
+
 @check.part("snr", 1, noisy_pairs)
 def snr_counts_in_decibels(student, V, V_noisy):
     """Noise ten times smaller: 20 dB more."""
@@ -560,6 +563,8 @@ def snr_counts_in_decibels(student, V, V_noisy):
         hint += " The norms are not squared in this definition."
     elif abs(quiet - loud - 10) < 0.1:
         hint += " The factor is 20, not 10."
+    elif expect.alike(loud, noisy_in_the_denominator(V, V_noisy)):
+        hint += " The noisy mesh is in the denominator; the signal is the clean one."
     right, got = expect.differing(20.0, quiet - loud, 4)
     expect.that(
         abs(quiet - loud - 20) < 1e-6 + 100 * rounded,
@@ -577,7 +582,6 @@ def snr_is_right(student, V, V_noisy):
         return factor * log(noise / signal)
 
     noise, clean = np.linalg.norm(V - V_noisy, axis=1), np.linalg.norm(V, axis=1)
-    noisy = np.linalg.norm(V_noisy, axis=1)
     N, S = noise.sum(), clean.sum()
     mistakes = [
         ("You took the natural logarithm: decibels take np.log10.", decibels(N, S, log=np.log)),
@@ -585,7 +589,7 @@ def snr_is_right(student, V, V_noisy):
         ("The factor is 20, not 10.", decibels(N, S, -10)),
         (
             "The noisy mesh is in the denominator; the signal is the clean one.",
-            decibels(N, noisy.sum()),
+            noisy_in_the_denominator(V, V_noisy),
         ),
         (
             "You squared the norms: this definition adds up the norms themselves.",

@@ -184,31 +184,37 @@ def gauss_seidel(V, A, tau, steps):
     return V
 
 
+def average_mistakes(V, W, steps):
+    """Hints, and what the mistakes give."""
+    A = operators.averaging(W)
+    states = [flow.average(V, A, step) for step in range(steps + 2)]
+    return [
+        ("One step too many.", states[-1]),
+        *([("One step too few.", states[-3])] if steps else []),
+        ("Only one step was made.", states[1]),
+        ("Nothing has moved.", V),
+        (f"A**{steps} raises each entry of A to a power: apply A @ V again and again.",
+         lambda: csr_array((A.data**steps, A.indices, A.indptr), shape=A.shape) @ V),
+        ("Vertices have moved one after the other, and the later ones have seen the earlier ones' "
+         "new places: compute all new positions from the old ones, A @ V.",
+         lambda: gauss_seidel(V, A, 1.0, steps)),
+        ("You multiply by A transposed.", lambda: euler(V, lambda X: A.T @ X, steps)),
+        ("These are half steps, (V + A V) / 2: here each step is A V.",
+         lambda: flow_heat(V, A, 0.5, steps)),
+        ("These are steps V + A V: the new place is A V alone.",
+         lambda: euler(V, lambda X: X + A @ X, steps)),
+        ("This is the sum of all states; only the last one is wanted.",
+         lambda: sum(states[: steps + 1])),
+        ("This is the mean of all states; only the last one is wanted.",
+         lambda: sum(states[: steps + 1]) / (steps + 1)),
+    ]  # fmt: skip
+
+
 @check.part("average", 2, weighted_meshes)
 def average_is_right(student, V, W):
     """Several steps."""
     A = operators.averaging(W)
-    elementwise = csr_array((A.data**4, A.indices, A.indptr), shape=A.shape)
-    mistakes = [
-        ("One step too many.", lambda: flow.average(V, A, 5)),
-        ("One step too few.", lambda: flow.average(V, A, 3)),
-        ("Only one step was made.", lambda: A @ V),
-        ("Nothing has moved.", V),
-        ("You multiply by A transposed.", lambda: euler(V, lambda X: A.T @ X, 4)),
-        ("These are half steps, (V + A V) / 2: here each step is A V.",
-         lambda: flow_heat(V, A, 0.5, 4)),
-        ("You apply the weights: A comes ready, W is not needed.",
-         lambda: euler(V, lambda X: W @ X, 4)),
-        ("This is the sum of all states; only the last one is wanted.",
-         lambda: sum(flow.average(V, A, s) for s in range(5))),
-        ("This is the mean of all states; only the last one is wanted.",
-         lambda: sum(flow.average(V, A, s) for s in range(5)) / 5),
-        ("A**4 raises each entry of A to a power: apply A @ V again and again.",
-         lambda: elementwise @ V),
-        ("Vertices have moved one after the other, and the later ones have seen the earlier ones' "
-         "new places: compute all new positions from the old ones, A @ V.",
-         lambda: gauss_seidel(V, A, 1.0, 4)),
-    ]  # fmt: skip
+    mistakes = average_mistakes(V, W, 4)
     expect.close(student.average(V, A, 4), flow.average(V, A, 4), "V", mistakes=mistakes)
 
 
@@ -216,8 +222,9 @@ def average_is_right(student, V, W):
 def average_of_no_step(student, V, W):
     """No step and one step."""
     A = operators.averaging(W)
-    expect.close(student.average(V, A, 0), V, "V after 0 steps")
-    expect.close(student.average(V, A, 1), A @ V, "V after 1 step")
+    none, one = (average_mistakes(V, W, steps) for steps in (0, 1))
+    expect.close(student.average(V, A, 0), V, "V after 0 steps", mistakes=none)
+    expect.close(student.average(V, A, 1), A @ V, "V after 1 step", mistakes=one)
 
 
 # %%
@@ -270,7 +277,8 @@ def heat_mistakes(V, W, tau, steps):
         ("One step too many.", lambda: flow_heat(V, A, tau, steps + 1)),
         ("One step too few.", lambda: flow_heat(V, A, tau, steps - 1)),
         ("Only one step was made.", lambda: flow_heat(V, A, tau, 1)),
-        ("You made one step of size tau * steps: make steps of size tau.",
+        ("This is one step of size tau * steps, or steps that all start from the first state: "
+         "make steps of size tau, each from the state before.",
          lambda: flow_heat(V, A, tau * steps, 1)),
         ("This is the exact solution exp(-t (I - A)) V; forward Euler makes steps, equation (1).",
          lambda: expm(-tau * steps * (np.eye(len(V)) - A.toarray())) @ V),
@@ -278,8 +286,6 @@ def heat_mistakes(V, W, tau, steps):
          "equation (1).",
          lambda: euler(V, lambda X: np.linalg.solve(
              (1 + tau) * np.eye(len(V)) - tau * A.toarray(), X), steps)),
-        ("The change is always that of the first state: each step starts from the one before.",
-         lambda: V + steps * tau * (A @ V - V)),
         ("You multiply by A transposed.",
          lambda: euler(V, lambda X: (1 - tau) * X + tau * (A.T @ X), steps)),
         ("The tau in front of A V is missing: (1 - tau) V + tau A V.",
@@ -401,10 +407,10 @@ def check_stable_step(student, W):
          2 / (1 - mu).max()),
         ("You used the smallest eigenvalue; the largest one decides.", 2 / positive),
         ("This bound holds for all meshes; on this one a larger step is stable.", 2 / 3),
-        ("This bound holds for all weights that are not negative; here mu_max itself is wanted.",
+        ("This bound is Gershgorin's, from the sums of the rows, and holds for many meshes; the "
+         "eigenvalue itself allows a larger step.", 2 / rows),
+        ("The step 1 is stable for all weights that are not negative; here 2 / mu_max is wanted.",
          1.0),
-        ("This is Gershgorin's bound, from the sums of the rows; the eigenvalue itself allows a "
-         "larger step.", 2 / rows),
         ("This is Gershgorin's bound for A; take the largest eigenvalue of I - A itself.",
          2 / np.abs(A.toarray()).sum(axis=1).max()),
         ("np.linalg.eigvalsh reads one half of a matrix and takes it for symmetric, which I - A "
@@ -536,6 +542,13 @@ def two_numbers(answer, highest):
         expected="time, snr",
         got=f"{len(answer)} values" if right_form else "one value",
     )
+    expect.that(
+        not any(str(value) == "inf" for value in answer),
+        "The SNR is infinite: at time 0 the noisy mesh is compared with itself. Compare with the "
+        "clean one.",
+        expected=f"{highest:.4g} dB",
+        got="inf",
+    )
     time, snr = (expect.number(value, name) for value, name in zip(answer, ("time", "snr")))
     expect.that(
         not expect.alike(time, highest) or expect.alike(snr, highest),
@@ -555,28 +568,29 @@ def best_time(student, V_noisy, V_true, A):
     curve = flow.snr_curve(V_noisy, V_true, A, TAU, TAU * STEPS)
     best = curve[:, 1].argmax()
     answer = student.best_stopping(V_noisy, V_true, A, TAU, STEPS)
-    time, _ = two_numbers(answer, curve[best, 1])
+    time, snr = two_numbers(answer, curve[best, 1])
     # Two times that are equally good to six digits are both right.
     as_good = np.flatnonzero(np.isclose(curve[:, 1], curve[best, 1], rtol=1e-6, atol=0))
     if any(expect.alike(time, TAU * k) for k in as_good):
         return
     against_noisy = [metrics.snr(V_noisy, V) for _, V in flow.heat(V_noisy, A, TAU, TAU * STEPS)]
+    worst = curve[:, 1].min()
+    lowest = expect.alike(abs(snr), abs(worst))
     mistakes = [
         ("This is the number of steps; the time is tau times that.", best),
-        (
-            "This is where the SNR is lowest: noise has a minus in front.",
-            TAU * curve[:, 1].argmin(),
-        ),
-        (
-            "Compare with the clean mesh, not with the noisy one.",
-            TAU * np.argmax(against_noisy[1:]),
-        ),
-        ("Compare with the clean mesh, not with the noisy one.", TAU * np.argmax(against_noisy)),
         ("One step off: the state before the first step has time 0.", TAU * (best + 1)),
         ("One step off: the state before the first step has time 0.", TAU * (best - 1)),
+        *([(LOWEST, TAU * curve[:, 1].argmin())] if lowest else []),
+        *(("Compare with the clean mesh, not with the noisy one.", TAU * moment)
+          for moment in {np.argmax(against_noisy[1:]), np.argmax(against_noisy[1:]) + 1, 0}
+          if not lowest and not expect.alike(snr, curve[0, 1])),
         ("This is the end of the flow, not its best moment.", TAU * STEPS),
-    ]
+        ("The time is one of the flow, a multiple of tau, and no SNR.", snr),
+    ]  # fmt: skip
     expect.close(time, TAU * best, "the time", mistakes=mistakes)
+
+
+LOWEST = "This is where the SNR is lowest: noise has a minus in front, -20 log10."
 
 
 def decibels(V, V_true):
@@ -603,6 +617,8 @@ def best_snr(student, V_noisy, V_true, A):
         ("This is the SNR of the noisy mesh.", curve[0, 1]),
         ("This is the SNR at the end of the flow.", curve[-1, 1]),
         ("The sign is wrong.", -curve[:, 1].max()),
+        (LOWEST, -curve[:, 1].min()),
+        (LOWEST, curve[:, 1].min()),
         ("You took the natural logarithm.", curve[:, 1].max() * np.log(10)),
         ("The factor is 20, not 10.", curve[:, 1].max() / 2),
         ("The signal is the clean mesh: yours is the noisy one.",
@@ -635,8 +651,13 @@ def best_time_is_zero(student, V_noisy, V_true, A):
     """Time 0 where the flow never helps."""
     # The sphere is a little too large: some shrinking helps, a whole step is far too much.
     answer = student.best_stopping(V_noisy, V_true, A, TAU, STEPS)
-    time, _ = two_numbers(answer, metrics.snr(V_true, V_noisy))
-    hint = "Here every step makes it worse: the state before the first step is one to look at too."
+    time, snr = two_numbers(answer, metrics.snr(V_true, V_noisy))
+    curve = flow.snr_curve(V_noisy, V_true, A, TAU, TAU * STEPS)
+    hint = "Here every step makes it worse, so that it is best to stop at time 0."
+    if expect.alike(time, TAU):
+        hint += " Is the state before the first step among those that you look at?"
+    elif expect.alike(time, TAU * curve[:, 1].argmin()):
+        hint = LOWEST
     expect.that(abs(time) < 1e-9, hint, expected="time 0", got=f"time {time:.4g}")
 
 

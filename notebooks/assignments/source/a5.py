@@ -283,7 +283,7 @@ def graded(value, full, name, metric=None):
     if value < -0.005:
         hint = f"Negative: {name} came out worse than they went in. Smooth less, or elsewhere."
     elif value < 0.005:
-        hint = f"Nothing is gained: {name} are neither better nor worse than before. {hint}"
+        hint = f"Nothing is gained: {name} are neither better nor worse than before."
     # Two decimals, or as many as tell it from the full gain.
     shown = (f"{value:.{digits}f}" for digits in range(2, 9))
     got = next(text for text in shown if value >= full or float(text) < full)
