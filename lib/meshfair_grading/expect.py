@@ -172,8 +172,16 @@ def number(value: Any, name: str) -> float:
     return float(array(_scalar(value), name, ()))
 
 
-def matrix(value: Any, name: str, n: int) -> csr_array:
+def matrix(value: Any, name: str, n: int, *, finite: bool = True) -> csr_array:
     """A student's sparse (n, n) matrix, or `WrongAnswerError`.
+
+    Parameters
+    ----------
+    value : object
+    name : str
+    n : int
+    finite : bool
+        Whether all entries must be finite; `close` says better why they are not.
 
     Returns
     -------
@@ -193,7 +201,7 @@ def matrix(value: Any, name: str, n: int) -> csr_array:
             expected="a scipy.sparse matrix",
             got=f"an ndarray of shape {value.shape}",
         )
-    array(value, name, (n, n))
+    array(value, name, (n, n), finite=finite)
     return csr_array(value)
 
 

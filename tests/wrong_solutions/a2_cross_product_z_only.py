@@ -1,5 +1,5 @@
 # task: cotangent_weights
-# points: 1
+# points: 0
 # hint: one component of u x v
 import numpy as np
 from scipy.sparse import coo_array, csr_array

@@ -407,7 +407,7 @@ def distance_is_right(student, V, F):
         ("These are the combinatorial weights.", on_entries(np.ones_like, W)),
         ("Only one half of W is filled: set w_ij and w_ji.", triu(W)),
     ]  # fmt: skip
-    got = expect.matrix(student.distance_weights(V, F), "W", len(V))
+    got = expect.matrix(student.distance_weights(V, F), "W", len(V), finite=False)
     expect.close(got, W, "W", mistakes=mistakes)
 
 
@@ -642,7 +642,7 @@ def cotangent_is_symmetric(student, V, F):
 def cotangent_up_to_a_factor(student, V, F):
     """The cotangents of the right angles, up to one common factor."""
     W = weights.cotangent(V, F)
-    got = expect.matrix(student.cotangent_weights(V, F), "W", len(V))
+    got = expect.matrix(student.cotangent_weights(V, F), "W", len(V), finite=False)
     expect.proportional(got, W, "W", mistakes=cotangent_mistakes(V, F))
 
 
@@ -659,7 +659,7 @@ def cotangent_has_its_half(student, V, F):
         ("All weights are half the right ones: w_ij = (cot alpha + cot beta) / 2, with one half.",
          W / 2),
     ]  # fmt: skip
-    got = expect.matrix(student.cotangent_weights(V, F), "W", len(V))
+    got = expect.matrix(student.cotangent_weights(V, F), "W", len(V), finite=False)
     try:
         expect.proportional(got, W, "W", mistakes=mistakes)
     except expect.WrongAnswerError as wrong:
@@ -682,7 +682,7 @@ def obtuse_meshes(seed):
 def cotangent_of_obtuse_angles(student, V, F):
     """Obtuse angles keep their sign; boundary edges have one angle."""
     W = weights.cotangent(V, F)
-    got = expect.matrix(student.cotangent_weights(V, F), "W", len(V))
+    got = expect.matrix(student.cotangent_weights(V, F), "W", len(V), finite=False)
     expect.proportional(got, W, "W", mistakes=cotangent_mistakes(V, F))
 
 
