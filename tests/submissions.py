@@ -74,7 +74,7 @@ HOSTILE = {
         17,
         "no array of numbers",
     ),
-    "system_exit": ("raise SystemExit(0)\n", 0, "SystemExit"),
+    "system_exit": ("raise SystemExit(0)\n", 20, "SystemExit"),
     "exit_zero": (
         "os = __import__('os')\ndef averaging(W):\n    os._exit(0)\n",
         17,

@@ -590,12 +590,13 @@ def test_failures_name_the_line_of_the_student(tmp_path):
         (Other("Equal", "<Equal>"), "no array of numbers"),
         ([np.ones(2), np.ones(2)], "2 objects came back"),
         (np.ones((3, 2)), "that of the transpose"),
-        (np.full((2, 3), np.nan), "divided by zero"),
+        (np.full((2, 3), np.nan), "0 / 0"),
         (np.full((2, 3), 1j), "complex"),
         (-np.arange(6.0).reshape(2, 3), "The sign of X is wrong"),
         (2 * np.arange(6.0).reshape(2, 3), "2 times the right one"),
         (np.arange(6.0).reshape(2, 3) + 1, "plus one"),
-        (np.arange(6.0).reshape(2, 3) ** 2, "The values of X are wrong"),
+        (np.arange(6.0).reshape(2, 3) ** 2, "squares of the right numbers"),
+        (np.arange(6.0).reshape(2, 3) ** 3, "The values of X are wrong"),
         (csr_array((60_000, 60_000)), "The shape of X is wrong"),
     ],
 )
@@ -655,7 +656,7 @@ class ScriptedStudent(IsolatedStudent):
     """Gives answers from a list."""
 
     def __init__(self, *answers):
-        self.changed, self._answers, self._script = [], {}, list(answers)
+        self.changed, self.calls, self._answers, self._script = [], {}, {}, list(answers)
 
     def _ask(self, name, arguments):
         return self._script.pop(0)

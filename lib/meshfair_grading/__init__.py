@@ -13,6 +13,8 @@ in the teacher's process, send it meshes that the student has not seen.
 ``students``    a student's functions, in this process or in another one
 ``answers``     what a function returned, as plain data
 ``rules``       which imports and calls an assignment allows
+``loading``     a student's file, run without what is not allowed
+``standin``     right functions in place of wrong ones, for the tasks after
 ``meshes``      the meshes that students have not seen
 ``protocol``    plain data between the two processes
 ``isolation``   limits and namespaces of the other process

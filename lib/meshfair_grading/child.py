@@ -5,7 +5,6 @@ Only requests come in and values go out; no right answer is ever here.
 """
 
 import importlib
-import importlib.util
 import json
 import resource
 import socket
@@ -13,12 +12,14 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import scipy.sparse.linalg  # noqa: F401  here once, so that no student's time limit pays for it
 
 from meshfair_grading import landlock, privileges, protocol
 from meshfair_grading.answers import Answer, Failure, ask, failure
-from meshfair_grading.rules import ImportBlocker, Rules, broken_rules
+from meshfair_grading.loading import load
+from meshfair_grading.rules import ImportBlocker, Rules
 
 # What Python and its libraries read beside their own files.
 SYSTEM = ("/usr", "/lib", "/lib64", "/bin", "/etc/ld.so.cache", "/etc/localtime", "/proc/self")
@@ -51,8 +52,8 @@ def main(descriptor: int, limits: dict[str, int], user: int | None) -> None:
     request = protocol.receive(channel)
     file = request["load"]
     rules = Rules(*(tuple(request[key]) for key in ("allowed", "forbidden", "blocked")))
-    module, failures = _load(file, rules)
-    protocol.send(channel, failures)
+    module, said = _load(file, rules)
+    protocol.send(channel, said)
     while True:
         try:
             request = protocol.receive(channel)
@@ -82,25 +83,15 @@ def _limit(limits: dict[str, int]) -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def _load(file: str, rules: Rules) -> tuple[ModuleType | None, dict[str, Failure]]:
-    """The student's module, and why functions of it (or "" for all) cannot be asked."""
-    try:
-        failures = broken_rules(Path(file).read_bytes(), rules)
-    except BaseException as error:
-        return None, {"": _not_loaded(error, file)}
-    if "" in failures:
-        return None, failures
+def _load(file: str, rules: Rules) -> tuple[ModuleType | None, dict[str, Any]]:
+    """The student's module, and what there is to say about it."""
     sys.meta_path.insert(0, ImportBlocker(rules))
-    spec = importlib.util.spec_from_file_location(Path(file).stem, file)
-    assert spec is not None  # it is a path that ends in .py
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
     try:
-        spec.loader.exec_module(module)
-    except BaseException as error:  # sys.exit() at module level as well
-        return None, {"": _not_loaded(error, file)}
-    return module, failures
+        module, reading = load(file, rules)
+    except BaseException as error:
+        return None, {"failures": {"": _not_loaded(error, file)}, "remarks": [], "calls": {}}
+    said = {"failures": reading.failures, "remarks": reading.remarks, "calls": reading.calls}
+    return module, said
 
 
 def _not_loaded(error: BaseException, file: str) -> Failure:

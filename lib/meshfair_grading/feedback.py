@@ -105,7 +105,7 @@ class Report:
     def by_task(self) -> list[tuple[str, list[Outcome]]]:
         """The tasks, each with its outcomes."""
         tasks = dict.fromkeys(outcome.task for outcome in self.outcomes)
-        return [(task, _in_one([o for o in self.outcomes if o.task == task])) for task in tasks]
+        return [(task, _brief([o for o in self.outcomes if o.task == task])) for task in tasks]
 
     def __repr__(self) -> str:
         return self.text()
@@ -114,16 +114,25 @@ class Report:
         return self.html()
 
 
-def _in_one(outcomes: list[Outcome]) -> list[Outcome]:
-    """A task's outcomes; one for all where the task is not done."""
-    if {outcome.status for outcome in outcomes} != {"not done"}:
-        return outcomes
-    points = sum(outcome.points for outcome in outcomes)
-    return [replace(outcomes[0], title=outcomes[0].hint, points=points, hint="")]
+def _brief(outcomes: list[Outcome]) -> list[Outcome]:
+    """A task's outcomes without repetitions: one for all where the task is not done."""
+    if {outcome.status for outcome in outcomes} == {"not done"}:
+        points = sum(outcome.points for outcome in outcomes)
+        return [replace(outcomes[0], title=outcomes[0].hint, points=points, hint="")]
+    notes = [outcome.note for outcome in outcomes]
+    return [
+        replace(outcome, note="" if outcome.note in notes[:place] else outcome.note)
+        for place, outcome in enumerate(outcomes)
+    ]
 
 
 def _details(outcome: Outcome) -> list[tuple[str, str]]:
-    rows = ("expected", outcome.expected), ("got", outcome.got), ("hint", outcome.hint)
+    rows = (
+        ("expected", outcome.expected),
+        ("got", outcome.got),
+        ("hint", outcome.hint),
+        ("note", outcome.note),
+    )
     return [(name, value) for name, value in rows if value]
 
 

@@ -19,6 +19,7 @@ from meshfair_grading.feedback import Report
 from meshfair_grading.isolation import Isolation, Limits
 from meshfair_grading.outcomes import Outcome
 from meshfair_grading.source import Source
+from meshfair_grading.standin import with_right_functions
 from meshfair_grading.students import IsolatedStudent
 
 LARGEST_FILE = 1_000_000
@@ -135,7 +136,9 @@ def mark(submission: Submission, assignment: Assignment, isolation: Isolation, s
     except ValueError as error:
         return Mark(submission.student, _nothing(assignment), str(error), [*remarks, str(error)])
     with IsolatedStudent(source, assignment.name, assignment.rules, isolation) as student:
-        outcomes = assignment.mark(student, seed)
+        corrected = with_right_functions(source, assignment, student, isolation)
+        outcomes = assignment.mark(student, seed, corrected=corrected)
+    remarks += student.remarks
     broken = student.whole_file
     status = "graded"
     if broken:
