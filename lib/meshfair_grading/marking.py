@@ -13,6 +13,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from meshfair_grading import walls
 from meshfair_grading.answers import Failure
 from meshfair_grading.assignment import Assignment
 from meshfair_grading.feedback import Report
@@ -321,6 +322,7 @@ def grade(
     try:
         if waiting:
             with tempfile.TemporaryDirectory(prefix="meshfair-") as cache:
+                walls.give(Path(cache))
                 isolation = replace(isolation, numba_cache=Path(cache))
                 dry_run(source, assignment, isolation, seed)
                 found = _in_parallel(jobs, waiting, assignment, isolation, seed)

@@ -212,15 +212,18 @@ def edge_mistakes(F):
     for left, name in enumerate(names):
         others = [third for k, third in enumerate(thirds) if k != left]
         yield f"The edges {name} of the triangles are missing.", np.concatenate(others)
-        yield f"Only the edges {name} of the triangles are there: a triangle has three.", (
-            thirds[left]
+        yield (
+            f"Only the edges {name} of the triangles are there: a triangle has three.",
+            (thirds[left]),
         )
     yield "The vertices are counted from 1: indices into V begin with 0.", E + 1
-    yield "Sort within each row, axis=1; axis=0 sorts the columns, and tears the edges apart.", (
-        np.sort(stacked, axis=0)
+    yield (
+        "Sort within each row, axis=1; axis=0 sorts the columns, and tears the edges apart.",
+        (np.sort(stacked, axis=0)),
     )
-    yield "These are all pairs of vertices; edges are the sides of triangles.", (
-        np.column_stack(np.triu_indices(F.max() + 1, 1))
+    yield (
+        "These are all pairs of vertices; edges are the sides of triangles.",
+        (np.column_stack(np.triu_indices(F.max() + 1, 1))),
     )
     _, count = np.unique(np.sort(stacked, axis=1), axis=0, return_counts=True)
     yield "The boundary edges are missing: they belong to one triangle only.", E[count > 1]
@@ -549,10 +552,14 @@ def assigned(V, F):
     def is_one_of_them(W):
         got = np.array([W[edge] for edge in inner])
         sum_of_both = (one + other) / 2
-        return bool(inner) and any(
-            (np.isclose(got, f * one, 1e-5) | np.isclose(got, f * other, 1e-5)).all()
-            for f in (0.5, 1.0)
-        ) and not expect.alike(got, sum_of_both)
+        return (
+            bool(inner)
+            and any(
+                (np.isclose(got, f * one, 1e-5) | np.isclose(got, f * other, 1e-5)).all()
+                for f in (0.5, 1.0)
+            )
+            and not expect.alike(got, sum_of_both)
+        )
 
     return expect.Recognised(is_one_of_them)
 
@@ -780,36 +787,48 @@ def averaging_mistakes(W):
     with np.errstate(all="ignore"):
         yield "Your rows sum to 2: did you add both halves of an edge?", 2 * A
         yield (
-            "Your columns sum to one, the rows should: W / d divides the columns, "
-            "diags_array(1 / d) @ W the rows."
-        ), dense / d
+            (
+                "Your columns sum to one, the rows should: W / d divides the columns, "
+                "diags_array(1 / d) @ W the rows."
+            ),
+            dense / d,
+        )
         yield "This is W itself: the division by the row sums is missing.", dense
         yield (
-            "You divide by the number of neighbours; divide by the sum of the weights, d_i."
-        ), dense / neighbours[:, None]
+            ("You divide by the number of neighbours; divide by the sum of the weights, d_i."),
+            dense / neighbours[:, None],
+        )
         yield (
-            "You divide by the sum of the absolute values: where a weight is negative that is not "
-            "d_i. The signs count."
-        ), dense / np.abs(dense).sum(axis=1, keepdims=True)
+            (
+                "You divide by the sum of the absolute values: where a weight is negative that is not "
+                "d_i. The signs count."
+            ),
+            dense / np.abs(dense).sum(axis=1, keepdims=True),
+        )
         yield "You divide by the root of d_i.", dense / np.sqrt(d)[:, None]
         yield (
-            "This is the symmetric normalisation D^(-1/2) W D^(-1/2); here it is D^-1 W."
-        ), dense / np.sqrt(np.outer(d, d))
-        yield "You divide by the largest weight of each row; divide by the sum.", (
-            dense / dense.max(axis=1, keepdims=True)
+            ("This is the symmetric normalisation D^(-1/2) W D^(-1/2); here it is D^-1 W."),
+            dense / np.sqrt(np.outer(d, d)),
         )
-        yield "You divide by the length of each row, its root of squares; divide by the sum.", (
-            dense / np.linalg.norm(dense, axis=1, keepdims=True)
+        yield (
+            "You divide by the largest weight of each row; divide by the sum.",
+            (dense / dense.max(axis=1, keepdims=True)),
+        )
+        yield (
+            "You divide by the length of each row, its root of squares; divide by the sum.",
+            (dense / np.linalg.norm(dense, axis=1, keepdims=True)),
         )
         yield "You divide all rows by one number; each has a sum of its own.", dense / d.sum()
         yield "You divide all rows by one number; each has a sum of its own.", dense / d.max()
         yield "You divide all rows by one number; each has a sum of its own.", dense / d.mean()
         yield "You multiply by d_i: divide by it.", dense * d[:, None]
-        yield "This is I - W~, the Laplacian divided by D: here W~ itself is wanted.", (
-            np.eye(n) - A
+        yield (
+            "This is I - W~, the Laplacian divided by D: here W~ itself is wanted.",
+            (np.eye(n) - A),
         )
-        yield "You added the vertex itself after dividing: W~ has zeros on the diagonal.", (
-            np.eye(n) + A
+        yield (
+            "You added the vertex itself after dividing: W~ has zeros on the diagonal.",
+            (np.eye(n) + A),
         )
 
 
