@@ -47,7 +47,7 @@ EXTRAS = {
     "notebooks": {"anywidget", "ipywidgets", "k3d", "traitlets"},
     "data": {"pooch"},
     "experiments": {"pandas", "tqdm"},
-    "grading": {"jinja2", "jupytext", "markupsafe", "nbformat"},
+    "grading": {"jinja2", "jupytext", "markupsafe", "nbformat", "psutil"},
 }
 """Modules that are imported for some uses alone, by the extra that installs them."""
 

@@ -28,7 +28,8 @@ KEPT_OUTPUT = 4000
 NUMBA = "numba"
 # Python without its environment (-I), whose libraries lie in folders that are given.
 START = (
-    "import json, runpy, sys; words = json.loads(sys.argv[1]); sys.path[:] = words['before'] + sys.path + words['after']; "
+    "import json, runpy, sys; words = json.loads(sys.argv[1]); "
+    "sys.path[:] = words['before'] + sys.path + words['after']; "
     "runpy.run_module('meshfair_grading.child', run_name='__main__')"
 )
 PACKAGES = Path(__file__).parents[1]
