@@ -5,7 +5,7 @@ from scipy.spatial import ConvexHull
 
 from meshfair.checks import Floats, Integers
 from meshfair.noise import gaussian
-from meshfair.shapes import icosphere, torus
+from meshfair.shapes import torus
 
 
 def unseen(seed: int, *, ring: bool = False, opened: bool = False) -> tuple[Floats, Integers]:
