@@ -825,8 +825,8 @@ def averaging_mistakes(W):
         )
         yield (
             (
-                "You divide by the sum of the absolute values: where a weight is negative that is not "
-                "d_i. The signs count."
+                "You divide by the sum of the absolute values: where a weight is negative that is "
+                "not d_i. The signs count."
             ),
             dense / np.abs(dense).sum(axis=1, keepdims=True),
         )

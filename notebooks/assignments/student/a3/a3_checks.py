@@ -189,8 +189,8 @@ def check_stable_step(student, W):
         ("This is mu_max itself; the bound is 2 / mu_max.", largest),
         ("This is 1 / mu_max: up to 2 / mu_max nothing grows, though it may overshoot.",
          1 / largest),
-        ("This is 2 / the largest eigenvalue of A, in size, which is 1 where no weight is negative; "
-         "the largest one of I - A decides.", 2 / radius),
+        ("This is 2 / the largest eigenvalue of A, in size, which is 1 where no weight is "
+         "negative; the largest one of I - A decides.", 2 / radius),
         ("You used the largest eigenvalue of A; the largest one of I - A decides.",
          2 / (1 - mu).max()),
         ("You used the smallest eigenvalue; the largest one decides.", 2 / positive),
@@ -267,7 +267,9 @@ def two_numbers(answer, highest):
         expected=f"{highest:.4g} dB",
         got="inf",
     )
-    time, snr = (expect.number(value, name) for value, name in zip(answer, ("time", "snr")))
+    time, snr = (
+        expect.number(value, name) for value, name in zip(answer, ("time", "snr"), strict=True)
+    )
     expect.that(
         not expect.alike(time, highest) or expect.alike(snr, highest),
         "These are the SNR and the time, in this order: return time, snr",
@@ -366,7 +368,7 @@ def best_time_is_zero(student, V_noisy, V_true, A):
     """Time 0 where the flow never helps."""
     # The sphere is a little too large: some shrinking helps, a whole step is far too much.
     answer = student.best_stopping(V_noisy, V_true, A, TAU, STEPS)
-    time, snr = two_numbers(answer, metrics.snr(V_true, V_noisy))
+    time, _ = two_numbers(answer, metrics.snr(V_true, V_noisy))
     curve = flow.snr_curve(V_noisy, V_true, A, TAU, TAU * STEPS)
     hint = "Here every step makes it worse, so that it is best to stop at time 0."
     if expect.alike(time, TAU):
