@@ -282,8 +282,27 @@ def check_choice(value: Choice, name: str, choices: Iterable[Choice]) -> Choice:
     choices = list(choices)
     if not any(value is choice or value == choice for choice in choices):
         listed = ", ".join(str(choice) for choice in choices)
-        raise ValueError(f"{name} is {value!r}; give one of {listed}")
+        raise ValueError(f"{name} is {value!r}; give one of {listed}{did_you_mean(value, choices)}")
     return value
+
+
+def did_you_mean(word: Any, known: Iterable[Any]) -> str:
+    """A part of a message: which of the known words was meant, if one is close.
+
+    Parameters
+    ----------
+    word : object
+    known : iterable
+
+    Returns
+    -------
+    str
+        " (did you mean 'taubin'?)", or nothing.
+    """
+    from difflib import get_close_matches  # for an error alone
+
+    close = get_close_matches(str(word), [str(other) for other in known], n=1)
+    return f" (did you mean {close[0]!r}?)" if close else ""
 
 
 def check_values(values: ArrayLike, n: int, m: int, name: str = "values") -> Floats:

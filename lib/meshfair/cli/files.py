@@ -1,34 +1,76 @@
-"""The files that subcommands read and write: what they share."""
+"""The meshes that subcommands read and write: what they share."""
 
 import argparse
 import os
+import sys
 from collections.abc import Sequence
+from io import BytesIO
 from pathlib import Path
+from typing import Any, Literal
 
 from meshfair.checks import Floats, Integers
 
+STANDARD: Literal["-"] = "-"
+"""Standard input or output, in place of a file."""
+# The endings of `meshfair.io.FORMATS` that standard input and output can be: not loaded for --help.
+FORMATS = ("obj", "off", "ply", "stl")
+BINARY = ("ply", "stl")
+
+Place = Path | Literal["-"]
+
+
+def place(text: str) -> Place:
+    """A file by its name, or standard input or output."""
+    return STANDARD if text == STANDARD else Path(text)
+
+
+def file(text: str) -> Path:
+    """A file by its name."""
+    if text == STANDARD:
+        raise argparse.ArgumentTypeError("- is standard input, which this cannot be; give a file")
+    return Path(text)
+
 
 def add_input(
-    parser: argparse.ArgumentParser, name: str = "file", purpose: str = "the mesh to read"
+    parser: argparse.ArgumentParser,
+    name: str = "file",
+    purpose: str = "the mesh to read",
+    *,
+    standard: bool = False,
 ) -> None:
-    """Declare a mesh file that is read; see `read`."""
-    parser.add_argument(name, metavar=name.upper(), type=Path, help=purpose)
+    """Declare a mesh file that is read, which may be standard input; see `read`."""
+    kind = place if standard else file
+    parser.add_argument(name, metavar=name.upper(), type=kind, help=purpose)
 
 
 def add_reading(parser: argparse.ArgumentParser) -> None:
     """Declare how meshes are read."""
     parser.add_argument(
-        "--weld-stl",
+        "--no-weld",
         action="store_true",
-        help="merge the corners of an STL file that are in the same place",
+        help="keep the corners of an STL file's triangles apart that are in the same place",
+    )
+
+
+def add_format(parser: argparse.ArgumentParser) -> None:
+    """Declare the format of standard input and output."""
+    parser.add_argument(
+        "--format",
+        choices=FORMATS,
+        help="of the mesh in standard input and output, which - stands for",
     )
 
 
 def add_output(parser: argparse.ArgumentParser) -> None:
     """Declare the mesh file that is written; see `check_output`."""
     parser.add_argument(
-        "out", metavar="OUT", type=Path, help="the mesh to write; its ending tells the format"
+        "out", metavar="OUT", type=place, help="the mesh to write; its ending tells the format"
     )
+    add_force(parser)
+
+
+def add_force(parser: argparse.ArgumentParser) -> None:
+    """Declare that files may be replaced."""
     parser.add_argument("--force", action="store_true", help="replace OUT if it is there")
 
 
@@ -37,7 +79,41 @@ def add_json(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object instead of text")
 
 
-def read(path: Path, options: argparse.Namespace) -> tuple[Floats, Integers]:
+def check_standard(options: argparse.Namespace, source: Place, out: Place | None = None) -> None:
+    """Settle the format of standard input and output, as ``options.format``.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        With the argument of `add_format`.
+    source, out : Place
+        What is read, and what is written.
+
+    Raises
+    ------
+    ValueError
+        A format that is missing, or that nothing needs.
+    """
+    places = [source] if out is None else [source, out]
+    if STANDARD not in places:
+        if options.format:
+            raise ValueError(
+                "--format is for standard input and output, which - stands for; the ending of a "
+                "file's name tells its format"
+            )
+        return
+    if options.format is None:
+        endings = {ending(other)[1:] for other in places if other != STANDARD}
+        if not endings or not endings <= set(FORMATS):
+            raise ValueError(f"- has no ending; give its --format, one of {', '.join(FORMATS)}")
+        (options.format,) = endings
+    if source == STANDARD and sys.stdin.isatty():
+        raise ValueError("standard input is the terminal; send a mesh into it, by < or a pipe")
+    if out == STANDARD and options.format in BINARY and sys.stdout.isatty():
+        raise ValueError("standard output is the terminal; send the mesh on, by > or a pipe")
+
+
+def read(path: Place, options: argparse.Namespace) -> tuple[Floats, Integers]:
     """Read a mesh as the options of `add_reading` say.
 
     Returns
@@ -45,20 +121,43 @@ def read(path: Path, options: argparse.Namespace) -> tuple[Floats, Integers]:
     V : ndarray of float64, shape (n, 3)
     F : ndarray of int64, shape (m, 3)
     """
+    V, F, _ = read_whole(path, options)
+    return V, F
+
+
+def read_whole(path: Place, options: argparse.Namespace) -> tuple[Floats, Integers, Any]:
+    """Read a mesh, and all else that its file holds.
+
+    Returns
+    -------
+    V : ndarray of float64, shape (n, 3)
+    F : ndarray of int64, shape (m, 3)
+    attributes : object
+        For `write`.
+    """
     from meshfair import io
 
-    return io.read(path, weld_stl=options.weld_stl)
+    weld = not options.no_weld
+    if path == STANDARD:
+        stream = BytesIO(sys.stdin.buffer.read())
+        return io.read(stream, format=options.format, weld=weld, attributes=True)
+    return *io.read(path, weld_stl=weld), None
 
 
-def check_output(out: Path, inputs: Sequence[Path], force: bool) -> None:
+def ending(path: Path) -> str:
+    """The ending of a file's name that tells its format, in lower case, with its dot."""
+    return Path(path.name.lower().removesuffix(".gz")).suffix
+
+
+def check_output(out: Place, inputs: Sequence[Place], force: bool) -> None:
     """Refuse an output that would destroy something, or that cannot be written.
 
     Called before the work, so that nothing is computed in vain.
 
     Parameters
     ----------
-    out : pathlib.Path
-    inputs : sequence of pathlib.Path
+    out : Place
+    inputs : sequence of Place
         Never written over, not even with ``force``.
     force : bool
         Whether another file of this name may be replaced.
@@ -70,10 +169,12 @@ def check_output(out: Path, inputs: Sequence[Path], force: bool) -> None:
     """
     from meshfair import io
 
-    if Path(out.name.lower().removesuffix(".gz")).suffix not in io.FORMATS:
+    if out == STANDARD:
+        return
+    if ending(out) not in io.FORMATS:
         raise ValueError(f"{out}: name it {', '.join(io.FORMATS)}, or one of them and .gz")
     for path in inputs:
-        if out.exists() and path.exists() and os.path.samefile(out, path):
+        if path != STANDARD and out.exists() and path.exists() and os.path.samefile(out, path):
             raise FileExistsError(f"{out} is an input too; give the output another name")
     if out.is_dir():
         raise IsADirectoryError(f"{out} is a folder; give the name of a file in it")
@@ -84,9 +185,34 @@ def check_output(out: Path, inputs: Sequence[Path], force: bool) -> None:
         raise PermissionError(f"{out}: the folder {out.parent} {reason}; choose another")
 
 
-def write(out: Path, V: Floats, F: Integers, inputs: Sequence[Path], force: bool) -> None:
-    """Write the mesh, after the checks of `check_output` once more: work takes time."""
+def write(
+    out: Place,
+    V: Floats,
+    F: Integers,
+    like: Any,
+    inputs: Sequence[Place],
+    options: argparse.Namespace,
+) -> None:
+    """Write the mesh, after the checks of `check_output` once more: work takes time.
+
+    Parameters
+    ----------
+    out : Place
+    V : ndarray of float64, shape (n, 3)
+    F : ndarray of int64, shape (m, 3)
+    like : object
+        The attributes that `read_whole` found.
+    inputs : sequence of Place
+        See `check_output`.
+    options : argparse.Namespace
+    """
     from meshfair import io
 
-    check_output(out, inputs, force)
+    if out == STANDARD:
+        whole = BytesIO()
+        io.write(whole, V, F, like=like, format=options.format)
+        sys.stdout.buffer.write(whole.getvalue())
+        sys.stdout.buffer.flush()
+        return
+    check_output(out, inputs, options.force)
     io.write(out, V, F)
