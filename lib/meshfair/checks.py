@@ -30,6 +30,13 @@ LARGEST_COORDINATE = 1e75
 # A triangle is degenerate when its height over its longest edge is this small
 # a part of that edge: below it, rounding decides the normal and the cotangents.
 DEGENERATE = 1e-12
+# Or when it is this small a part of the largest coordinate: three points on a line, each
+# rounded to float64, make a triangle that high (sqrt(3) eps at most) wherever the mesh lies.
+ROUNDED = 4 * float(np.finfo(np.float64).eps)
+
+# Vectors cancel where their sum is this small a part of the sum of their lengths: what is left
+# is the rounding of a few thousand terms, which has no direction.
+CANCELLED = 1e-12
 
 EXTRAS = {
     "viewer": {"PIL", "matplotlib", "polyscope", "polyscope_bindings"},
@@ -301,8 +308,9 @@ def did_you_mean(word: Any, known: Iterable[Any]) -> str:
     """
     from difflib import get_close_matches  # for an error alone
 
-    close = get_close_matches(str(word), [str(other) for other in known], n=1)
-    return f" (did you mean {close[0]!r}?)" if close else ""
+    names = {other.lower(): other for other in known if isinstance(other, str)}
+    close = get_close_matches(word.lower(), names, n=1) if isinstance(word, str) else []
+    return f" (did you mean {names[close[0]]!r}?)" if close else ""
 
 
 def check_values(values: ArrayLike, n: int, m: int, name: str = "values") -> Floats:

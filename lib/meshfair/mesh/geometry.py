@@ -51,10 +51,11 @@ def vertex_normals(V: ArrayLike, F: ArrayLike) -> Floats:
     Returns
     -------
     ndarray of float64, shape (n, 3)
-        Unit vectors; zero at a vertex without faces.
+        Unit vectors; zero at a vertex without faces, and where normals cancel.
     """
     V, F = check_mesh(V, F)
-    return normalised(scatter(Triangles(V, F).area_vectors, F, len(V)))
+    T, B = Triangles(V, F), incidence(F, len(V))
+    return normalised(B @ T.area_vectors, B @ T.area)
 
 
 def scatter(X: Floats, F: Integers, n: int) -> Floats:
@@ -171,7 +172,8 @@ def degenerate_faces(V: ArrayLike, F: ArrayLike) -> Booleans:
     Returns
     -------
     ndarray of bool, shape (m,)
-        True where the height over the longest edge is at most 1e-12 of it.
+        True where the height over the longest edge is at most 1e-12 of it, or no more than
+        the rounding of the corners' coordinates makes of three points on a line.
     """
     return Triangles(V, F).degenerate
 
