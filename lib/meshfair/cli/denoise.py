@@ -137,13 +137,16 @@ class _Task:
         self, source: files.Place, out: files.Place, advance: Callable[[float], None]
     ) -> dict[str, Any]:
         """Denoise a mesh, and return what there is to say of it."""
+        import numpy as np
+
         from meshfair.denoising import denoise
-        from meshfair.mesh import boundary_vertices
+        from meshfair.mesh import boundary_vertices, join
 
         options, chosen = self.options, dict(self.chosen)
         V, F, attributes = files.read_whole(source, options)
         if options.fixed:
-            chosen["fixed"] = boundary_vertices(F)
+            joined = join(V, F)  # a seam is no boundary
+            chosen["fixed"] = np.isin(joined.copies, boundary_vertices(joined.F))
         if options.ground_truth:
             chosen["ground_truth"], F_true = self.ground_truth
             _check_same_faces(V, F, chosen["ground_truth"], F_true, source, options.ground_truth)
@@ -162,7 +165,7 @@ class _Task:
             "method": result.method,
             "vertices": len(V),
             "parameters": {n: v for n, v in result.parameters.items() if n != "fixed"},
-            "fixed_vertices": len(chosen.get("fixed", ())),
+            "fixed_vertices": np.sum(chosen.get("fixed", 0)),
             "seconds": result.seconds,
             "history": None if result.history is None else result.history.to_dict("records"),
         }

@@ -3,7 +3,7 @@
 import os
 import sys
 import warnings
-from collections.abc import Iterator, MutableMapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 from meshfair.checks import NotInstalledError
@@ -19,11 +19,11 @@ class Messages:
     ----------
     name : str
         The command with its subcommand, with which each line begins.
-    option_of : mapping of str to str
+    option_of : dict of str
         The option for each argument's name, in place of which messages name it.
     """
 
-    def __init__(self, name: str, option_of: MutableMapping[str, str]) -> None:
+    def __init__(self, name: str, option_of: dict[str, str]) -> None:
         self.name, self.option_of = name, option_of
 
     def say(self, message: str) -> None:

@@ -1,7 +1,6 @@
 """Messages of the package, which speak of Python, in the words of the command line."""
 
 import re
-from collections.abc import Mapping
 
 # Calls and arguments that have a form on the command line.
 PHRASES = {
@@ -10,7 +9,6 @@ PHRASES = {
     "intrinsic.cotangent": "meshfair.intrinsic.cotangent in Python",
     "operators.boundary_as_curve": "meshfair.operators.boundary_as_curve in Python",
     'parameters="auto"': "--auto",
-    "displacement is": "the noise is",
     "weld=False": "--no-weld",
     "mesh.inspect": "meshfair info",
     "noise.along_normals": "meshfair noise --model normals",
@@ -24,16 +22,24 @@ _PHRASE = re.compile("|".join(re.escape(phrase) for phrase in PHRASES))
 _REPAIR = re.compile(r"mesh\.repair\(V, F((?:, \w+=[\w\".]+)*)\)")
 _KEYWORD = re.compile(r'(?<!--set )(?<![\w.-])(\w+)=("[\w-]+"|True|[\d.]+)')
 _NAME = re.compile(r"(?<!meshfair\.)\b(mesh|metrics|operators|weights)\.([a-z_]+)\b(?!\.)")
-_SUBJECT = re.compile(r"(\w+)(?= (?:is|has|holds|needs|scales) |: )")
+# With what a message begins, where no option gives it.
+SUBJECTS = {
+    "V": "the mesh",
+    "V, F": "the mesh",
+    "V_true": "the ground truth",
+    "displacement": "the noise",
+}
+_SUBJECT = re.compile(r"\A(V, F|\w+)(?= (?:is|has|holds|needs|scales) |: )")
+_STEP = re.compile(r"(?<=, so )(\w+)(?= would )|(?<=; give a smaller )(\w+)$")
 
 
-def in_words_of_the_command(message: str, option_of: Mapping[str, str]) -> str:
+def in_words_of_the_command(message: str, option_of: dict[str, str]) -> str:
     """A message with options where it has names of Python.
 
     Parameters
     ----------
     message : str
-    option_of : mapping of str to str
+    option_of : dict of str
         The option for each argument's name, such as "--noise" for "sigma".
 
     Returns
@@ -49,10 +55,12 @@ def in_words_of_the_command(message: str, option_of: Mapping[str, str]) -> str:
     message = _REPAIR.sub(_repair, message)
     message = _NAME.sub(_noun, message)
     message = _KEYWORD.sub(keyword, message)
-    subject = _SUBJECT.match(message)
-    if subject and subject.group() in option_of:
-        message = option_of[subject.group()] + message[subject.end() :]
-    return message
+    named = SUBJECTS | option_of
+
+    def option(match: re.Match[str]) -> str:
+        return named.get(match.group(), match.group())
+
+    return _STEP.sub(option, _SUBJECT.sub(option, message, count=1))
 
 
 def _repair(match: re.Match[str]) -> str:
