@@ -18,9 +18,9 @@ def add_input(
 def add_reading(parser: argparse.ArgumentParser) -> None:
     """Declare how meshes are read."""
     parser.add_argument(
-        "--weld-stl",
+        "--no-weld",
         action="store_true",
-        help="merge the corners of an STL file that are in the same place",
+        help="keep the corners of an STL file apart that are in the same place",
     )
 
 
@@ -47,7 +47,7 @@ def read(path: Path, options: argparse.Namespace) -> tuple[Floats, Integers]:
     """
     from meshfair import io
 
-    return io.read(path, weld_stl=options.weld_stl)
+    return io.read(path, weld=not options.no_weld)
 
 
 def check_output(out: Path, inputs: Sequence[Path], force: bool) -> None:
