@@ -1,14 +1,19 @@
 """The meshes that subcommands read and write: what they share."""
 
+from __future__ import annotations
+
 import argparse
 import os
 import sys
 from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 from meshfair.checks import Floats, Integers
+
+if TYPE_CHECKING:
+    from meshfair.io import Attributes
 
 STANDARD: Literal["-"] = "-"
 """Standard input or output, in place of a file."""
@@ -17,6 +22,14 @@ FORMATS = ("obj", "off", "ply", "stl")
 BINARY = ("ply", "stl")
 
 Place = Path | Literal["-"]
+
+
+class _Stream(BytesIO):
+    """A mesh in memory, whole or not there at all; messages call it by its name."""
+
+    def __init__(self, name: str, data: bytes = b"") -> None:
+        super().__init__(data)
+        self.name = name
 
 
 def place(text: str) -> Place:
@@ -125,23 +138,23 @@ def read(path: Place, options: argparse.Namespace) -> tuple[Floats, Integers]:
     return V, F
 
 
-def read_whole(path: Place, options: argparse.Namespace) -> tuple[Floats, Integers, Any]:
+def read_whole(path: Place, options: argparse.Namespace) -> tuple[Floats, Integers, Attributes]:
     """Read a mesh, and all else that its file holds.
 
     Returns
     -------
     V : ndarray of float64, shape (n, 3)
     F : ndarray of int64, shape (m, 3)
-    attributes : object
+    attributes : meshfair.io.Attributes
         For `write`.
     """
     from meshfair import io
 
     weld = not options.no_weld
     if path == STANDARD:
-        stream = BytesIO(sys.stdin.buffer.read())
+        stream = _Stream("standard input", sys.stdin.buffer.read())
         return io.read(stream, format=options.format, weld=weld, attributes=True)
-    return *io.read(path, weld_stl=weld), None
+    return io.read(path, weld=weld, attributes=True)
 
 
 def ending(path: Path) -> str:
@@ -189,7 +202,7 @@ def write(
     out: Place,
     V: Floats,
     F: Integers,
-    like: Any,
+    like: Attributes,
     inputs: Sequence[Place],
     options: argparse.Namespace,
 ) -> None:
@@ -200,7 +213,7 @@ def write(
     out : Place
     V : ndarray of float64, shape (n, 3)
     F : ndarray of int64, shape (m, 3)
-    like : object
+    like : meshfair.io.Attributes
         The attributes that `read_whole` found.
     inputs : sequence of Place
         See `check_output`.
@@ -209,10 +222,10 @@ def write(
     from meshfair import io
 
     if out == STANDARD:
-        whole = BytesIO()
+        whole = _Stream("standard output")
         io.write(whole, V, F, like=like, format=options.format)
         sys.stdout.buffer.write(whole.getvalue())
         sys.stdout.buffer.flush()
         return
     check_output(out, inputs, options.force)
-    io.write(out, V, F)
+    io.write(out, V, F, like=like)

@@ -5,10 +5,19 @@ from typing import BinaryIO
 
 import numpy as np
 
-from meshfair.checks import Floats, Integers
+from meshfair.checks import Booleans, Floats, Integers
+from meshfair.io.attributes import Layout
 from meshfair.io.errors import file_error
 from meshfair.io.opening import check_content
-from meshfair.io.text import Lines, encode_rows, is_blank, normalised_text
+from meshfair.io.splicing import Places
+from meshfair.io.text import (
+    Lines,
+    encode_rows,
+    is_blank,
+    normalised_text,
+    parse_numbers,
+    words_of,
+)
 
 # The rest of the format is not part of a triangle mesh, and is skipped. Subdivision
 # tools added t, and skinning tools vw.
@@ -34,18 +43,64 @@ def parse(stream: BinaryIO) -> tuple[Floats, Integers, Integers]:
         The polygons, as in `meshfair.io.faces.check_corners`.
     """
     check_content(stream, "OBJ")
-    text = normalised_text(stream.read())
-    lines = Lines(text.replace(b"\\\n", b"  "), original=text)
-    letter, next_code = lines.codes[lines.begin], lines.codes[lines.begin + 1]
-    is_vertex = (letter == ord("v")) & is_blank(next_code)
-    is_face = (letter == ord("f")) & is_blank(next_code)
+    text = normalised_text(stream.read(), comments=True)
+    lines = Lines(_joined(text), original=text)
+    is_vertex, is_face = _starting(lines, b"v"), _starting(lines, b"f")
     rest = lines[~(is_vertex | is_face)]
     keywords = rest.first_words(LONGEST_KEYWORD + 1)
     expected = "a line starts with v, f or another OBJ keyword"
     rest.require(np.isin(keywords, list(SKIPPED)), keywords, "as keyword", expected)
     V = _vertices(lines[is_vertex].without_letter())
-    vertices_before = np.cumsum(is_vertex)[is_face]
+    vertices_before = np.cumsum(is_vertex, dtype=np.int64)[is_face]
     return V, *_faces(lines[is_face].without_letter(), vertices_before, len(V))
+
+
+def _joined(text: bytes) -> bytes:
+    """The text with each line that ends with a backslash joined to the next."""
+    return text.replace(b"\\\n", b"  ")
+
+
+def _starting(lines: Lines, keyword: bytes) -> Booleans:
+    """Which lines start with a keyword of one letter or two."""
+    last = len(lines.codes) - 1
+    fits = is_blank(lines.codes[np.minimum(lines.begin + len(keyword), last)])
+    for k, letter in enumerate(keyword):
+        fits &= lines.codes[np.minimum(lines.begin + k, last)] == letter
+    return fits
+
+
+def layout(data: bytes) -> Layout:
+    """Where positions and normals are in a file that was read."""
+    text = _joined(normalised_text(data, comments=True))
+    lines, words = Lines(text), words_of(text)
+    first = lines.starts()
+
+    def values(which: Booleans) -> list[Places]:
+        return [Places.of_words(words, first[which] + k) for k in (1, 2, 3)]
+
+    positions, is_normal = values(_starting(lines, b"v")), _starting(lines, b"vn")
+    if not np.any(is_normal) or np.any(lines.words[is_normal] != 4):
+        return Layout(positions)
+    normal_of = _named(lines, _starting(lines, b"f"), is_normal, 2)
+    return Layout(positions, values(is_normal), normal_of)
+
+
+def _named(lines: Lines, is_face: Booleans, is_named: Booleans, part: int) -> Integers:
+    """The texture coordinate (part 1) or the normal (part 2) of each corner, from 0; or -1."""
+    faces = lines[is_face].without_letter()
+    # With zeros for what is left out, the parts of all words are one array of numbers.
+    text = re.sub(rb"/+(?=\s)", b"", faces.codes.tobytes()).replace(b"//", b"/0/")
+    codes = np.frombuffer(b"\n" + text, np.uint8)
+    begin = np.flatnonzero(is_blank(codes[:-1]) & ~is_blank(codes[1:]))
+    slash = np.flatnonzero(codes == ord("/"))
+    parts = 1 + np.bincount(np.searchsorted(begin, slash) - 1, minlength=len(begin))
+    numbers = parse_numbers(text.replace(b"/", b" "), np.int64, parts.sum())
+    assert numbers is not None  # the file has been read
+    at = np.cumsum(parts) - parts + part
+    named = np.where(parts > part, numbers[np.minimum(at, len(numbers) - 1)], 0)
+    before = np.repeat(np.cumsum(is_named)[is_face], faces.words)
+    named = np.where(named < 0, named + before, named - 1)
+    return np.where((named >= 0) & (named < is_named.sum()), named, -1)
 
 
 def _vertices(lines: Lines) -> Floats:

@@ -7,10 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshfair.checks import Floats, Integers
+from meshfair.io.attributes import Layout
 from meshfair.io.errors import file_error, quoted
 from meshfair.io.faces import spans
 from meshfair.io.opening import check_content
-from meshfair.io.text import Lines, encode_rows, normalised_text
+from meshfair.io.splicing import Places
+from meshfair.io.text import Lines, blanked, encode_rows, normalised_text, words_of
 
 # The letters of the keyword tell what more each vertex has, in whatever order
 # programs write them. The keyword may be left out, or the blank behind it.
@@ -23,20 +25,45 @@ HEADER = re.compile(
 def parse(stream: BinaryIO) -> tuple[Floats, NDArray[Any], Integers]:
     """Read vertices and polygons from a stream of bytes; returns as `obj.parse`."""
     check_content(stream, "OFF")
-    text = normalised_text(stream.read())
+    text = normalised_text(stream.read(), comments=True)
     header = HEADER.match(text)
     if not header:
         wanted = "OFF and the numbers of vertices, faces and edges were expected, and text"
         raise file_error("header", f"found {quoted(text.strip())}", wanted)
+    lines, n, more, columns = _rows(text, header)
+    return _vertices(lines[:n], columns, more), *_faces(lines[n:])
+
+
+def _rows(text: bytes, header: re.Match[bytes]) -> tuple[Lines, int, bytes, int]:
+    """One line a row; how many are vertices; what more these have, and how many numbers each."""
     more, n, m = header["more"] or b"", int(header["n"]), int(header["m"])
     columns = 3 + (b"4" in more) + 3 * (b"N" in more) + 2 * (b"ST" in more)
-    rows = re.sub(rb"\S", b" ", header[0]) + text[header.end() :]  # lines keep their numbers
-    lines = Lines(rows).as_rows([(n, columns * [False]), (m, [True])])
+    lines = Lines(_without(header, text)).as_rows([(n, columns * [False]), (m, [True])])
     if len(lines) != n + m:
         raise file_error(
             "header", f"{n} vertices and {m} faces announced", f"{len(lines)} lines follow"
         )
-    return _vertices(lines[:n], columns, more), *_faces(lines[n:])
+    return lines, n, more, columns
+
+
+def _without(header: re.Match[bytes], text: bytes) -> bytes:
+    """The text with blanks instead of its header."""
+    return blanked(header[0]) + text[header.end() :]
+
+
+def layout(data: bytes) -> Layout:
+    """Where positions and normals are in a file that was read."""
+    text = normalised_text(data, comments=True)
+    header = HEADER.match(text)
+    assert header  # the file has been read
+    lines, n, more, _ = _rows(text, header)
+    words = words_of(_without(header, text))
+    first = lines.starts()[:n]
+    columns = [Places.of_words(words, first + k) for k in range(3)]
+    if b"N" not in more:
+        return Layout(columns)
+    behind = 3 + (b"4" in more)
+    return Layout(columns, [Places.of_words(words, first + behind + k) for k in range(3)])
 
 
 def _vertices(lines: Lines, columns: int, more: bytes) -> Floats:

@@ -6,6 +6,7 @@ list: its length and its numbers. Rows are text, or binary in either byte order.
 
 import re
 from collections import Counter
+from collections.abc import Sequence
 from itertools import product
 from typing import Any, BinaryIO, Literal, NamedTuple, TypeAlias
 
@@ -13,10 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshfair.checks import Booleans, Floats, Integers
+from meshfair.io.attributes import Layout
 from meshfair.io.errors import file_error, quoted
 from meshfair.io.faces import spans
 from meshfair.io.opening import check_content
-from meshfair.io.text import Lines, encode_rows, normalised_text
+from meshfair.io.splicing import Places
+from meshfair.io.text import Lines, blanked, encode_rows, normalised_text, words_of
 
 Order: TypeAlias = Literal["little", "big"]
 ORDERS: dict[str, Order | None] = {
@@ -27,7 +30,10 @@ ORDERS: dict[str, Order | None] = {
 OLD_NAMES = ["char", "uchar", "short", "ushort", "int", "uint", "float", "double"]
 NAMES = ["int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"]
 TYPES: dict[str, np.dtype[Any]] = {name: np.dtype(name) for name in (*NAMES, "int64", "uint64")}
+NORMAL = ("nx", "ny", "nz")
 TYPES |= {old: TYPES[name] for old, name in zip(OLD_NAMES, NAMES, strict=True)}
+
+COMMENT = re.compile(rb"^[^\S\n]*comment\s[^\n]*", re.MULTILINE)
 
 
 class Property(NamedTuple):
@@ -36,6 +42,7 @@ class Property(NamedTuple):
     name: str
     dtype: np.dtype[Any]
     length: np.dtype[Any] | None = None
+    word: int = 0  # which one of the header its type is
 
 
 class Element(NamedTuple):
@@ -46,23 +53,49 @@ class Element(NamedTuple):
     properties: list[Property]
 
 
+class Column(NamedTuple):
+    """The values of a property in all rows, one after another."""
+
+    values: NDArray[Any]
+    lengths: Integers  # how many each row has
+    at: Integers  # where those of each row begin: which word of the rows, or which byte
+
+
+Table: TypeAlias = dict[str, Column]
+
+
 def parse(stream: BinaryIO) -> tuple[Floats, NDArray[Any], Integers]:
     """Read vertices and polygons from a stream of bytes; returns as `obj.parse`."""
     check_content(stream, "PLY")
     data = stream.read()
-    at = _end_of_header(data)
-    header = Lines(normalised_text(data[:at]))
-    order, elements = _header(header)
+    order, elements, at = _header(data)
     element, name = _names_of_faces(elements)
-    if order:
-        tables = _binary_tables(data, at, elements, order)
-    else:
-        tables = _text_tables(Lines(normalised_text(data))[len(header) :], elements)
-    V = np.column_stack([tables["vertex"][axis][0] for axis in "xyz"])
-    corners, counts = tables[element][name]
+    tables = _tables(data, order, elements, at)
+    V = np.column_stack([tables["vertex"][axis].values for axis in "xyz"])
+    corners, counts, _ = tables[element][name]
     if element == "tristrips":
         corners, counts = _strips(corners.astype(np.float64), counts)
     return V.astype(np.float64), corners, counts
+
+
+def layout(data: bytes) -> Layout:
+    """Where positions and normals are in a file that was read."""
+    order, elements, at = _header(data)
+    table = _tables(data, order, elements, at)["vertex"]
+    words = None if order else words_of(_rows_of_text(data, at))
+    properties = {p.name: p for e in elements if e.name == "vertex" for p in e.properties}
+
+    def places(names: Sequence[str]) -> list[Places]:
+        if words:
+            return [Places.of_words(words, table[n].at, properties[n].dtype) for n in names]
+        return [Places(table[n].at, dtype=table[n].values.dtype) for n in names]
+
+    has_normals = all(name in properties and not properties[name].length for name in NORMAL)
+    of_header = words_of(normalised_text(data[:at], comments=False))
+    types = [Places.of_words(of_header, np.array([properties[axis].word])) for axis in "xyz"]
+    double = np.dtype(np.float64).newbyteorder(order or "=")
+    normals = places(NORMAL) if has_normals else ()
+    return Layout(places("xyz"), normals, types=types, double=double)
 
 
 def _end_of_header(data: bytes) -> int:
@@ -80,10 +113,13 @@ def _end_of_header(data: bytes) -> int:
     return last.end()
 
 
-def _header(lines: Lines) -> tuple[Order | None, list[Element]]:
-    """The byte order (None for text) and the elements that a header announces."""
+def _header(data: bytes) -> tuple[Order | None, list[Element], int]:
+    """The byte order (None for text), the elements that are announced, and where rows begin."""
+    end = _end_of_header(data)
+    lines = Lines(normalised_text(data[:end], comments=False))
     orders: list[Order | None] = []
     elements: list[Element] = []
+    starts = lines.starts()
     for i, line in enumerate(lines.split()):
         match [word.decode("latin-1") for word in line]:
             case ["ply"] | ["end_header"] | ["comment" | "obj_info", *_]:
@@ -93,7 +129,7 @@ def _header(lines: Lines) -> tuple[Order | None, list[Element]]:
             case ["element", name, rows] if re.fullmatch("[0-9]{1,18}", rows):
                 elements.append(Element(name, int(rows), []))
             case ["property", dtype, name] if elements and dtype in TYPES:
-                elements[-1].properties.append(Property(name, TYPES[dtype]))
+                elements[-1].properties.append(Property(name, TYPES[dtype], word=starts[i] + 1))
             case ["property", "list", length, dtype, name] if (
                 elements and dtype in TYPES and length in TYPES and TYPES[length].kind != "f"
             ):
@@ -112,7 +148,7 @@ def _header(lines: Lines) -> tuple[Order | None, list[Element]]:
         ((name, times),) = Counter(group).most_common(1)
         if times > 1:
             raise file_error("header", f"{name!r} is announced {times} times", "once was expected")
-    return orders[0], [element for element in elements if element.properties]
+    return orders[0], [element for element in elements if element.properties], end
 
 
 def _names_of_faces(elements: list[Element]) -> tuple[str, str]:
@@ -147,14 +183,24 @@ def _strips(corners: Floats, counts: Integers) -> tuple[Floats, Integers]:
     return triangles.ravel(), np.full(len(triangles), 3)
 
 
-# A table has for each property the numbers of all rows, one after another, and
-# how many each row has.
-Table: TypeAlias = dict[str, tuple[NDArray[Any], Integers]]
+def _tables(data: bytes, order: Order | None, elements: list[Element], at: int) -> dict[str, Table]:
+    """The table of each element, from rows that start at byte ``at``."""
+    if order:
+        return _binary_tables(data, at, elements, order)
+    return _text_tables(Lines(_rows_of_text(data, at)), elements)
+
+
+def _rows_of_text(data: bytes, at: int) -> bytes:
+    """The normalised text with blanks instead of all that is no row."""
+    text = normalised_text(data, comments=False)
+    rows = text[at + 1 :]
+    if b"comment" in rows:
+        rows = COMMENT.sub(lambda line: blanked(line[0]), rows)
+    return blanked(text[: at + 1]) + rows
 
 
 def _text_tables(lines: Lines, elements: list[Element]) -> dict[str, Table]:
     """The table of each element, from one line for each row."""
-    lines = lines[lines.first_words(len("comment ")) != b"comment"]
     lines = lines.as_rows(
         [(e.rows, [p.length is not None for p in e.properties]) for e in elements]
     )
@@ -164,14 +210,16 @@ def _text_tables(lines: Lines, elements: list[Element]) -> dict[str, Table]:
         )
         raise file_error("header", f"{announced} announced", f"{len(lines)} lines follow")
     tables: dict[str, Table] = {}
-    at = 0
+    row, word = 0, 0
     for element in elements:
-        tables[element.name] = _text_table(lines[at : at + element.rows], element)
-        at += element.rows
+        rows = lines[row : row + element.rows]
+        tables[element.name] = _text_table(rows, element, word)
+        row += element.rows
+        word += rows.words.sum()
     return tables
 
 
-def _text_table(lines: Lines, element: Element) -> Table:
+def _text_table(lines: Lines, element: Element, word: int) -> Table:
     def check(fits: Booleans) -> None:
         found = f"values in a row of element {element.name!r}"
         lines.require(fits, lines.words, found, "its properties take another number of them")
@@ -187,14 +235,13 @@ def _text_table(lines: Lines, element: Element) -> Table:
             lengths, at = numbers[at], at + 1
         check((lengths >= 0) & (lengths <= end - at) & (lengths == np.floor(lengths)))
         lengths = lengths.astype(np.int64)
-        table[p.name] = numbers[spans(at, lengths)], lengths
+        table[p.name] = Column(numbers[spans(at, lengths)], lengths, at + word)
         at = at + lengths
     check(at == end)
     return table
 
 
 def _binary_tables(data: bytes, at: int, elements: list[Element], order: Order) -> dict[str, Table]:
-    """The table of each element, from rows that start at byte ``at``."""
     tables = {}
     for element in elements:
         least = sum((p.length or p.dtype).itemsize for p in element.properties)
@@ -224,7 +271,7 @@ def _rows_alike(
     data: bytes, at: int, element: Element, order: Order, first: Table
 ) -> tuple[Table, int] | None:
     """All rows at once if their lists are as long as those of the first row, else None."""
-    length_of = {name: len(values) for name, (values, _) in first.items()}
+    length_of = {name: len(column.values) for name, column in first.items()}
     fields: list[Any] = []
     for p in element.properties:
         if p.length is not None:
@@ -239,7 +286,12 @@ def _rows_alike(
     lists = [p.name for p in element.properties if p.length is not None]
     if any(np.any(rows[f"length of {name}"] != length_of[name]) for name in lists):
         return None
-    table = {name: (rows[name].ravel(), np.full(len(rows), n)) for name, n in length_of.items()}
+    starts = at + np.arange(len(rows)) * layout.itemsize
+    offsets = {name: offset for name, (_, offset, *_) in (layout.fields or {}).items()}
+    table = {
+        name: Column(rows[name].ravel(), np.full(len(rows), n), starts + offsets[name])
+        for name, n in length_of.items()
+    }
     return table, end
 
 
@@ -248,6 +300,7 @@ def _rows_one_by_one(
 ) -> tuple[Table, int]:
     """The table of this many rows, whatever the lengths of their lists, and where they end."""
     pieces: dict[str, list[bytes]] = {p.name: [] for p in element.properties}
+    starts: dict[str, list[int]] = {p.name: [] for p in element.properties}
     for row in range(number):
         for p in element.properties:
             length = 1
@@ -259,11 +312,12 @@ def _rows_one_by_one(
                 found = f"row {row} of element {element.name!r} has a list of {length}"
                 raise file_error(f"byte {start}", found, f"{len(data) - start} bytes are left")
             pieces[p.name].append(data[start:at])
+            starts[p.name].append(start)
     table = {}
     for p in element.properties:
         values = np.frombuffer(b"".join(pieces[p.name]), p.dtype.newbyteorder(order))
         lengths = np.array([len(piece) for piece in pieces[p.name]], np.int64) // p.dtype.itemsize
-        table[p.name] = values, lengths
+        table[p.name] = Column(values, lengths, np.array(starts[p.name], np.int64))
     return table, at
 
 
