@@ -115,11 +115,10 @@ def check_standard(options: argparse.Namespace, source: Place, out: Place | None
                 "file's name tells its format"
             )
         return
+    if options.format is None and source != STANDARD and ending(source)[1:] in FORMATS:
+        options.format = ending(source)[1:]  # what comes out is what went in
     if options.format is None:
-        endings = {ending(other)[1:] for other in places if other != STANDARD}
-        if not endings or not endings <= set(FORMATS):
-            raise ValueError(f"- has no ending; give its --format, one of {', '.join(FORMATS)}")
-        (options.format,) = endings
+        raise ValueError(f"- has no ending; give its --format, one of {', '.join(FORMATS)}")
     if source == STANDARD and sys.stdin.isatty():
         raise ValueError("standard input is the terminal; send a mesh into it, by < or a pipe")
     if out == STANDARD and options.format in BINARY and sys.stdout.isatty():
@@ -153,7 +152,11 @@ def read_whole(path: Place, options: argparse.Namespace) -> tuple[Floats, Intege
     weld = not options.no_weld
     if path == STANDARD:
         stream = _Stream("standard input", sys.stdin.buffer.read())
-        return io.read(stream, format=options.format, weld=weld, attributes=True)
+        try:
+            return io.read(stream, format=options.format, weld=weld, attributes=True)
+        except io.MeshFileError as error:
+            advice = str(error).replace("name it by what it is", "give its --format")
+            raise io.MeshFileError(advice) from None
     return io.read(path, weld=weld, attributes=True)
 
 

@@ -35,6 +35,6 @@ def run(options: argparse.Namespace) -> int:
             finding |= {name: words(finding[name]) for name in ("affects", "remedy")}
         printing.print_json({"file": str(options.file)} | facts)
     else:
-        print(options.file)
+        print("standard input" if options.file == files.STANDARD else options.file)
         print(inspection.as_text(words, printing.width()))
     return 0
