@@ -147,7 +147,7 @@ def test_a_seamed_and_textured_obj(scan, errand, rng):
     N = mesh.vertex_normals(scan.noisy, scan.F)[copies]
     lines = ["# exported", "mtllib scan.mtl", "o scan"]
     lines += ["v " + " ".join(map(repr, x)) for x in scan.noisy[copies].tolist()]
-    lines += ["vt %.6f %.6f" % tuple(x) for x in rng.random((F.size, 2))]
+    lines += [f"vt {u:.6f} {v:.6f}" for u, v in rng.random((F.size, 2))]
     lines += ["vn " + " ".join(map(repr, x)) for x in N.tolist()]
     for k, face in enumerate((F + 1).tolist()):
         if k == 0 or right[k] != right[k - 1]:
