@@ -1,6 +1,7 @@
 """Input validation: in `meshfair.checks`, and in every public function that takes a mesh."""
 
 import inspect
+import re
 from types import ModuleType
 
 import numpy as np
@@ -199,7 +200,8 @@ def test_choices():
     assert check_choice("clamp", "negative", choices) == "clamp"
     assert check_choice(None, "orient", (None, "outward")) is None
     for bad in ("drop", "", "KEEP", None, 0, ["keep"]):
-        with pytest.raises(ValueError, match=r"^negative is .*; give one of keep, clamp$"):
+        hint = re.escape(" (did you mean 'keep'?)") if bad == "KEEP" else ""
+        with pytest.raises(ValueError, match=rf"^negative is .*; give one of keep, clamp{hint}$"):
             check_choice(bad, "negative", choices)
 
 

@@ -33,6 +33,7 @@ from scipy.sparse import coo_array, csr_array
 from meshfair import _fast
 from meshfair.checks import Floats, Integers, MeshError, MeshWarning, check_mesh, check_number
 from meshfair.mesh import Edges, unique_faces
+from meshfair.mesh.objects import takes_meshes
 from meshfair.mesh.topology import topologically_degenerate
 
 # Angle sums are compared through their sine, which rounding moves by about 1e-15.
@@ -58,6 +59,7 @@ class Triangulation(NamedTuple):
     """How often the surface is covered: once or twice."""
 
 
+@takes_meshes
 def cotangent(V: ArrayLike, F: ArrayLike, *, mollify: float = 1e-6) -> csr_array:
     """Nonnegative cotangent weights, of the intrinsic Delaunay triangulation [BS07]_ [SC20]_.
 
