@@ -216,7 +216,7 @@ def test_the_filter_explorer_shows_what_denoise_makes_of_the_mesh():
         np.testing.assert_allclose(curve["y"], expected.history[column])
         assert plot.marker == len(expected.history) - 1
     found = metrics.compare(expected.V, F, V, F)
-    for reported in (f"{decibels:.2f} dB", f"{found['hausdorff']:.3f} edges"):
+    for reported in (f"{decibels:.2f} dB", f"{found['hausdorff'].value:.3f} edges"):
         assert reported in explorer.table.value
     assert f"iterations = {expected.parameters['iterations']};" in explorer._note.value
 

@@ -107,7 +107,7 @@ def score(mesh: str, method: str, parameters: str, size: float, seed: int) -> di
     Returns
     -------
     dict
-        Those of `meshfair.metrics.compare`; on the jet missile_error, see
+        The values of `meshfair.metrics.compare`; on the jet missile_error, see
         `meshfair.experiments.part_errors`; and used, the parameters as JSON, and seconds.
     """
     if method == "none":
@@ -119,7 +119,8 @@ def score(mesh: str, method: str, parameters: str, size: float, seed: int) -> di
         used = {name: value for name, value in result.parameters.items() if name != "fixed"}
         facts = {"used": json.dumps(used), "seconds": result.seconds}
     missiles = {"missile_error": part_errors(X, V, F)["missiles"]} if mesh == JET else {}
-    return compare(X, F, V, F) | missiles | facts
+    metrics = {name: measure.value for name, measure in compare(X, F, V, F).items()}
+    return metrics | missiles | facts
 
 
 def quality(

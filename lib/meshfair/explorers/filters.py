@@ -15,10 +15,10 @@ from meshfair.checks import Floats, check_mesh
 from meshfair.explorers import worker
 from meshfair.explorers.curves import CurvePlot
 from meshfair.explorers.explorer import Explorer, Settings, choice, size_slider
-from meshfair.metrics import compare
+from meshfair.metrics import Measure, compare
 from meshfair.viewer import View, coloring
 
-Metrics = dict[str, float | None]
+Metrics = dict[str, Measure]
 
 # The colour bar has the same ends for all methods, so that their colours can be compared.
 ANGLES = (0.0, 30.0)
@@ -27,7 +27,7 @@ ANGLES = (0.0, 30.0)
 COLUMNS = {
     "snr": ("SNR", "{:.2f} dB"),
     "normal_angle": ("mean normal angle", "{:.2f}°"),
-    "surface_distance": ("mean distance to the true surface", "{:.3f} edges"),
+    "surface_distance": ("mean distance of the surfaces", "{:.3f} edges"),
     "hausdorff": ("Hausdorff distance", "{:.3f} edges"),
     "volume_change": ("change of volume", "{:+.2%}"),
     "area_change": ("change of area", "{:+.2%}"),
@@ -183,8 +183,8 @@ class FilterExplorer(Explorer):
 
 def _written(column: str, numbers: Metrics) -> str:
     """One of the metrics in words."""
-    number = numbers[column]
-    return "unknown" if number is None else COLUMNS[column][1].format(number)
+    value = numbers[column].value
+    return "none" if value is None else COLUMNS[column][1].format(value)
 
 
 def _summary(numbers: Metrics) -> str:
@@ -203,13 +203,17 @@ def _used(result: denoising.Denoised) -> str:
 
 
 def _table(compared: dict[str, Metrics]) -> str:
-    """The metrics of meshes by name, as HTML: a row for each."""
+    """The metrics of meshes by name, as HTML: a row for each, why one is missing as its title."""
 
-    def row(tag: str, name: str, texts: Iterable[str]) -> str:
-        cells = "".join(f"<{tag} {CELL}>{html.escape(text)}</{tag}>" for text in texts)
+    def row(tag: str, name: str, texts: Iterable[tuple[str, str]]) -> str:
+        cells = "".join(
+            f'<{tag} {CELL} title="{html.escape(why)}">{html.escape(text)}</{tag}>'
+            for text, why in texts
+        )
         return f'<tr><th style="text-align:left">{name}</th>{cells}</tr>'
 
-    rows = [row("th", "", (name for name, _ in COLUMNS.values()))]
+    rows = [row("th", "", ((name, "") for name, _ in COLUMNS.values()))]
     for name, numbers in compared.items():
-        rows.append(row("td", name, (_written(column, numbers) for column in COLUMNS)))
+        texts = ((_written(column, numbers), numbers[column].reason) for column in COLUMNS)
+        rows.append(row("td", name, texts))
     return f'<table style="border-collapse:collapse;line-height:1.5">{"".join(rows)}</table>'

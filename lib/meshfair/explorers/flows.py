@@ -14,7 +14,14 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
 from meshfair import flow, noise
-from meshfair.checks import Floats, Integers, StabilityWarning, check_count, check_mesh
+from meshfair.checks import (
+    Floats,
+    Integers,
+    MeshError,
+    StabilityWarning,
+    check_count,
+    check_mesh,
+)
 from meshfair.explorers.curves import CurvePlot
 from meshfair.explorers.explorer import (
     PLAIN,
@@ -29,7 +36,7 @@ from meshfair.explorers.explorer import (
     weights_choice,
 )
 from meshfair.explorers.worker import Job
-from meshfair.metrics import snr, volume_change
+from meshfair.metrics import area_change, snr, volume_change
 from meshfair.operators import averaging
 from meshfair.plotting import WEIGHT_COLORS
 from meshfair.shapes import jet, jet_labels
@@ -432,6 +439,8 @@ class JetExplorer(ComparisonExplorer):
 class DenoisingExplorer(FlowExplorer):
     """A mesh of one's own, with no ground truth to compare it to: before and after.
 
+    Measured by its volume, or where it encloses none by its area.
+
     Parameters
     ----------
     V : array_like, shape (n, 3)
@@ -441,8 +450,17 @@ class DenoisingExplorer(FlowExplorer):
         As in `FlowExplorer`.
     """
 
-    measure = "volume"
     unit = "%"
+
+    def __init__(
+        self, V: ArrayLike, F: ArrayLike, *, tau: float = 0.2, iterations: int = 40
+    ) -> None:
+        try:
+            volume_change(V, V, F)
+            self.measure, self._change = "volume", volume_change
+        except MeshError:
+            self.measure, self._change = "area", area_change
+        super().__init__(V, F, tau=tau, iterations=iterations)
 
     def _flow_controls(self, size: float, tau: float) -> dict[str, Any]:
         return {"weights": weights_choice("cotangent"), "tau": tau_slider(tau, self.tau_range)}
@@ -456,7 +474,7 @@ class DenoisingExplorer(FlowExplorer):
         return Start(V, V, F)
 
     def _measured(self, V: Floats, start: Start) -> float:
-        return 100 * (1 + volume_change(V, start.V_true, start.F))
+        return 100 * (1 + self._change(V, start.V_true, start.F))
 
     def mesh(self) -> tuple[Floats, Integers]:
         """The mesh that the view shows: what to save.
