@@ -11,7 +11,6 @@ those that it does not have, and names its own.
 
 import argparse
 from collections.abc import Callable
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -90,19 +89,22 @@ def run(options: argparse.Namespace) -> int:
     int
         0 where every mesh was written.
     """
-    places = [files.place(text) for text in options.places]
+    try:
+        places = [files.place(text) for text in options.places]
+    except argparse.ArgumentTypeError as error:
+        options.wrong_usage(str(error))
     if options.folder is None and len(places) == 1:
         options.wrong_usage("OUT is missing; name the mesh to write, or give --out FOLDER")
     if options.folder is None and len(places) > 2:
         options.wrong_usage(
             f"there are {len(places)} meshes; give IN and OUT alone, or --out FOLDER for many"
         )
-    task = _Task(options)
     if options.folder is not None:
-        return many.run(task, places, options)
+        return many.run(_Task(options), places, options)
     source, out = places
     files.check_standard(options, source, out)
-    files.check_output(out, task.inputs(source), options.force)
+    files.check_output(out, _inputs(source, options), options.force)
+    task = _Task(options)
     with printing.progress() as advance:
         facts = task(source, out, advance)
     if options.json:
@@ -123,15 +125,25 @@ class _Task:
         if options.sigma is not None:
             check_number(options.sigma, "--noise", 0)
         self.options, self.chosen = options, parameters.chosen(options)
+        if options.ground_truth:
+            self.ground_truth = files.read(options.ground_truth, options)
 
-    @cached_property
-    def ground_truth(self) -> tuple[Floats, Integers]:
-        """The noise-free mesh."""
-        return files.read(self.options.ground_truth, self.options)
+    def _matched(self, V: Floats, F: Integers) -> Floats:
+        """The ground truth's vertices, in the order of a mesh's own."""
+        from meshfair.checks import MeshError
+        from meshfair.metrics import matched
+
+        try:
+            return matched(V, F, *self.ground_truth)
+        except MeshError as error:
+            raise MeshError(
+                f"--ground-truth {self.options.ground_truth}: {error}; give the mesh that the "
+                "noise was added to, or compare surfaces, with meshfair compare"
+            ) from None
 
     def inputs(self, source: files.Place) -> list[files.Place]:
         """The files that are read."""
-        return [source, self.options.ground_truth] if self.options.ground_truth else [source]
+        return _inputs(source, self.options)
 
     def __call__(
         self, source: files.Place, out: files.Place, advance: Callable[[float], None]
@@ -148,8 +160,7 @@ class _Task:
             joined = join(V, F)  # a seam is no boundary
             chosen["fixed"] = np.isin(joined.copies, boundary_vertices(joined.F))
         if options.ground_truth:
-            chosen["ground_truth"], F_true = self.ground_truth
-            _check_same_faces(V, F, chosen["ground_truth"], F_true, source, options.ground_truth)
+            chosen["ground_truth"] = self._matched(V, F)
         result = denoise(
             V,
             F,
@@ -182,6 +193,10 @@ class _Task:
         return ", ".join([f"{facts['vertices']:,} vertices", *chosen, *closer])
 
 
+def _inputs(source: files.Place, options: argparse.Namespace) -> list[files.Place]:
+    return [source, options.ground_truth] if options.ground_truth else [source]
+
+
 def gains(history: list[dict[str, float]] | None, digits: int = 6) -> list[tuple[str, str]]:
     """How much closer to the ground truth a mesh has come, by each measure."""
     if history is None:
@@ -191,32 +206,3 @@ def gains(history: list[dict[str, float]] | None, digits: int = 6) -> list[tuple
         (name, f"{first[name]:.{digits}g} -> {last[name]:.{digits}g} {unit}")
         for name, unit in (("snr", "dB"), ("normal_angle", "degrees"))
     ]
-
-
-def _check_same_faces(
-    V: Floats, F: Integers, V_true: Floats, F_true: Integers, source: object, truth: object
-) -> None:
-    """Refuse a ground truth whose vertices are not those of the mesh, one by one."""
-    import numpy as np
-
-    from meshfair.checks import MeshError
-
-    def in_order(F: Integers) -> Integers:
-        F = np.sort(F, axis=1)
-        return F[np.lexsort(F.T)]
-
-    for kind, of_truth, of_source in (("vertices", V_true, V), ("faces", F_true, F)):
-        if len(of_truth) != len(of_source):
-            raise MeshError(
-                f"--ground-truth {truth} has {len(of_truth):,} {kind} but {source} has "
-                f"{len(of_source):,}; give the mesh that {source} was before the noise, or compare "
-                "surfaces with meshfair compare"
-            )
-    wrong = np.any(in_order(F_true) != in_order(F), axis=1)
-    if wrong.any():
-        raise MeshError(
-            f"--ground-truth {truth} has not the faces of {source}: {wrong.sum():,} of {len(F):,} "
-            "name other vertices, so the vertices are numbered in another way or it is another "
-            f"mesh; give the mesh that {source} was before the noise, or compare surfaces with "
-            "meshfair compare"
-        )

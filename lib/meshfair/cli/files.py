@@ -10,7 +10,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from meshfair.checks import Floats, Integers
+from meshfair.checks import LARGEST_COORDINATE, Floats, Integers
 
 if TYPE_CHECKING:
     from meshfair.io import Attributes
@@ -34,13 +34,15 @@ class _Stream(BytesIO):
 
 def place(text: str) -> Place:
     """A file by its name, or standard input or output."""
-    return STANDARD if text == STANDARD else Path(text)
+    return STANDARD if text == STANDARD else file(text)
 
 
 def file(text: str) -> Path:
     """A file by its name."""
     if text == STANDARD:
         raise argparse.ArgumentTypeError("- is standard input, which this cannot be; give a file")
+    if not text:
+        raise argparse.ArgumentTypeError("the name of the file is empty; give one")
     return Path(text)
 
 
@@ -217,13 +219,25 @@ def write(
     V : ndarray of float64, shape (n, 3)
     F : ndarray of int64, shape (m, 3)
     like : meshfair.io.Attributes
-        The attributes that `read_whole` found.
+        What `read_whole` found.
     inputs : sequence of Place
         See `check_output`.
     options : argparse.Namespace
+
+    Raises
+    ------
+    OSError, MeshError, FloatingPointError
+        What is in the way; positions that have outgrown all numbers.
     """
+    import numpy as np
+
     from meshfair import io
 
+    if not np.all(np.abs(V) <= LARGEST_COORDINATE):
+        raise FloatingPointError(
+            f"the result has coordinates beyond {LARGEST_COORDINATE:g}, so nothing is written; "
+            "take smaller values"
+        )
     if out == STANDARD:
         whole = _Stream("standard output")
         io.write(whole, V, F, like=like, format=options.format)

@@ -97,6 +97,8 @@ def _facts(
 ) -> dict[str, Any]:
     """What the task says, or why it failed."""
     try:
+        if not source.is_file():
+            raise FileNotFoundError(f"{source}: there is no such file; check its name")
         files.check_output(out, task.inputs(source), options.force)
         return {"in": source} | task(source, out, advance)
     except Exception as error:

@@ -35,6 +35,7 @@ class Messages:
         """Show the package's warnings, each once, and whom they are about."""
         with warnings.catch_warnings():
             warnings.simplefilter("default", UserWarning)
+            warnings.simplefilter("ignore", RuntimeWarning)  # NumPy's; `files.write` looks itself
             warnings.showwarning = lambda message, *_, **__: self.say(
                 f"warning: {self._named(self.in_words(str(message)), about)}"
             )

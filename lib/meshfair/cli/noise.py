@@ -21,6 +21,8 @@ MODELS: dict[str, dict[str, float | None]] = {
     "uniform": {"amplitude": None},
     "impulsive": {"sigma": 0.2, "fraction": 0.1},
 }
+# In decibels: beyond, noise is lost in the rounding of float64, and so is the mesh.
+SNR_RANGE = -300, 300
 DEFAULT_MODEL = "normals"
 
 
@@ -70,7 +72,7 @@ def run(options: argparse.Namespace) -> int:
     check_count(options.seed, "--seed")
     sizes = _sizes(options)
     if options.decibels is not None:
-        check_number(options.decibels, "--snr", -np.inf)
+        check_number(options.decibels, "--snr", *SNR_RANGE)
     V, F, attributes = files.read_whole(source, options)
     rng = np.random.default_rng(options.seed)
     if options.model == "impulsive":

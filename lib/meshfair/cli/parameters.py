@@ -95,6 +95,8 @@ def chosen(options: argparse.Namespace) -> dict[str, Any]:
         if name in given:
             raise ValueError(f"{name} is given twice; give it once")
         given[name] = _value(name, text, defaults[name])
+    if options.sigma is not None and "noise" in given:
+        raise ValueError("the noise is given twice, by --noise and by --set; give it once")
     option_of.update({name: f"--set {name}" for name in defaults if name not in option_of})
     if given or options.sigma is not None:
         _try(options, given)
@@ -108,7 +110,7 @@ def _value(name: str, text: str, default: Any) -> Any:
     if default is None and text == "None":
         return None
     kinds: list[Callable[[str], Any]] = [int, float]
-    wanted = "a number"
+    wanted = "a number or None" if default is None else "a number"
     if isinstance(default, bool):
         kinds, wanted = [{"true": True, "false": False}.__getitem__], "True or False"
         text = text.lower()

@@ -8,6 +8,12 @@ from typing import Any, NoReturn
 
 from meshfair.checks import did_you_mean
 
+# argparse's words for what is wrong, and those that the rest of the command has.
+_WORDS = {
+    r"the following arguments are required: (.*)": r"\1 is missing",
+    r": expected one argument": " needs a value",
+}
+
 
 class Parser(argparse.ArgumentParser):
     """A parser that refuses a wrong word in one line, with the closest right one.
@@ -41,13 +47,7 @@ class Parser(argparse.ArgumentParser):
     ) -> tuple[argparse.Namespace, list[str]]:
         """As argparse does it; but what is unknown is refused here, by the subcommand itself."""
         words = sys.argv[1:] if args is None else list(args)
-        # Before argparse, which would call something missing that an unknown option has swallowed.
-        for word in words[: words.index("--") if "--" in words else None]:
-            if self._subparsers and not word.startswith("-"):
-                break
-            name = word.partition("=")[0]
-            if word.startswith("--") and not any(k.startswith(name) for k in self._known()):
-                self.error(f"there is no option {name}{did_you_mean(name, self._known())}")
+        self._refuse_unknown_options(words)
         found, unknown = super().parse_known_args(words, namespace)
         if unknown and self.list_of:
             getattr(found, self.list_of).extend(w for w in unknown if w[0] != "-" or w == "-")
@@ -59,10 +59,25 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Say what is wrong in one line, and end with exit code 2."""
         message = message.removeprefix("argument ")
+        for pattern, words in _WORDS.items():
+            message = re.sub(pattern, words, message)
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
-    def _known(self) -> list[str]:
-        return [name for name in self._option_string_actions if name.startswith("--")]
+    def _refuse_unknown_options(self, words: Sequence[str]) -> None:
+        """Before argparse, which would call something missing that such an option swallows."""
+        known = list(self._option_string_actions)
+        for word in words[: words.index("--") if "--" in words else None]:
+            if not word.startswith("-"):
+                if self._subparsers:
+                    return  # what follows is the subcommand's
+                continue
+            if word == "-" or self._negative_number_matcher.match(word):
+                continue
+            name = word.partition("=")[0]
+            if not any(option.startswith(name) for option in known):
+                other = self.option_of.get(name.lstrip("-").replace("-", "_"))  # Python's name
+                meant = f" (did you mean {other!r}?)" if other else did_you_mean(name, known)
+                self.error(f"there is no option {name}{meant}")
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is None or value in action.choices:
