@@ -46,6 +46,7 @@ EXTRAS = {
     "viewer": {"PIL", "matplotlib", "polyscope", "polyscope_bindings"},
     "notebooks": {"anywidget", "ipywidgets", "k3d", "traitlets"},
     "data": {"pooch"},
+    "formats": {"collada", "lxml", "mapbox_earcut", "meshio", "networkx", "trimesh"},
     "experiments": {"pandas", "tqdm"},
     "grading": {"jinja2", "jupytext", "markupsafe", "nbformat"},
 }

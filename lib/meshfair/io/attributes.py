@@ -48,6 +48,10 @@ class Attributes:
         """A value of each corner of the file's faces, for the corners of the triangles."""
         return values.reshape(-1, 3) if self.corner is None else values[self.corner]
 
+    def fits(self, V: Floats, F: Integers) -> bool:
+        """Whether a mesh has these faces and as many vertices."""
+        return len(V) == len(self.V) and np.array_equal(F, self.F)
+
     def __repr__(self) -> str:
         return f"<attributes of {self.name}: {len(self.V)} vertices, {len(self.F)} faces>"
 

@@ -13,9 +13,10 @@ from meshfair.checks import Floats, Integers, MeshWarning, check_vertices
 from meshfair.io import stl
 from meshfair.io.attributes import Attributes
 from meshfair.io.errors import MeshFileError, file_error
-from meshfair.io.faces import check_corners, fan
+from meshfair.io.faces import check_corners
 from meshfair.io.formats import File, format_of, name_of
 from meshfair.io.opening import decompressed, open_regular
+from meshfair.io.polygons import cut
 from meshfair.io.welding import same_rows
 
 log = logging.getLogger("meshfair.io")
@@ -83,14 +84,11 @@ def read(
         raise MeshFileError(f"{name}: {error}") from None
     except OSError as error:
         raise MeshFileError(f"{name}: reading failed ({error.strerror}); check the disk") from None
-    F = fan(corners.astype(np.int64), counts)
-    if len(F) > len(counts):
-        warnings.warn(
-            f"{name}: {np.sum(counts > 3)} of {len(counts)} faces have more than three corners "
-            f"(up to {counts.max()}); they are cut, which makes {len(F)} triangles",
-            MeshWarning,
-            stacklevel=2,
-        )
+    corners = corners.astype(np.int64)
+    triangles, told = cut(V, corners, counts)
+    if told:
+        warnings.warn(f"{name}: {told}", MeshWarning, stacklevel=2)
+    F = corners.reshape(-1, 3) if triangles is None else corners[triangles]
     vertex = None
     if found.module is stl and weld:
         first, vertex = same_rows(V)
@@ -98,8 +96,7 @@ def read(
         V, F = V[first], vertex[F]
     if not attributes:
         return V, F
-    corner = fan(np.arange(len(corners)), counts) if len(F) > len(counts) else None
-    return V, F, Attributes(name, found.ending, data, V.copy(), F.copy(), corner, vertex)
+    return V, F, Attributes(name, found.ending, data, V.copy(), F.copy(), triangles, vertex)
 
 
 def _opened(file: File) -> BinaryIO:

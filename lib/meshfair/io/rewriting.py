@@ -43,7 +43,8 @@ def rewritten(attributes: Attributes, layout: Layout, V: Floats) -> tuple[bytes,
     positions = _changes(layout.positions, V[rows], moved[rows])
     normals = _normals(attributes, layout, V, moved) if layout.normals else []
     if all(change.fits() for change in positions):
-        stored = np.where(moved, layout.positions[0].stored(V), V)
+        coarsest = min(layout.positions, key=lambda places: places.dtype.itemsize)
+        stored = np.where(moved, coarsest.stored(V), V)
         return _written(attributes.data, positions + normals, []), stored
     if not layout.types:
         check_single(V)

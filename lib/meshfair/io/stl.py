@@ -10,10 +10,13 @@ from meshfair.checks import Floats, Integers
 from meshfair.io import text
 from meshfair.io.attributes import Layout
 from meshfair.io.errors import file_error, quoted
+from meshfair.io.extras import Extras
 from meshfair.io.opening import check_content
 from meshfair.io.precision import check_single
 from meshfair.io.splicing import Places
+from meshfair.mesh import face_normals
 
+HOLDS: frozenset[str] = frozenset()
 HEADER = 84  # bytes: 80 of anything, then the number of triangles
 RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
@@ -49,14 +52,15 @@ def parse(stream: BinaryIO) -> tuple[Floats, Integers, Integers]:
     return V, np.arange(len(V)), np.full(len(V) // 3, 3)
 
 
-def _is_binary(data: bytes) -> bool:
+def is_binary(data: bytes) -> bool:
+    """Whether a file is binary, not text: its size decides."""
     announced = int.from_bytes(data[80:HEADER], "little")
     return len(data) == HEADER + announced * RECORD.itemsize
 
 
 def layout(data: bytes) -> Layout:
     """Where positions and normals are in a file that was read."""
-    if _is_binary(data):
+    if is_binary(data):
         at = np.arange(HEADER, len(data), RECORD.itemsize)
         columns = [Places(at + 4 * k, dtype=np.dtype("<f4")) for k in range(12)]
     else:
@@ -66,6 +70,28 @@ def layout(data: bytes) -> Layout:
         first = np.searchsorted(words[0], np.array(begins).reshape(-1, 4))
         columns = [Places.of_words(words, first[:, k // 3] + k % 3) for k in range(12)]
     return Layout(columns[3:], columns[:3], by_face=True)
+
+
+def extras(data: bytes) -> Extras:
+    """What a file that was read holds beside positions: the colours of its triangles."""
+    others: tuple[str, ...] = ()
+    colors = None
+    if is_binary(data):
+        words = np.frombuffer(data, RECORD, offset=HEADER)["attribute"]
+        # Magics sets bit 15 where a facet has the colour of all, VisCAM where it has its own.
+        is_magics = b"COLOR=" in data[:80]
+        if np.any(words) and np.all((words >> 15 == 0) if is_magics else (words >> 15 == 1)):
+            parts = np.column_stack([words >> shift & 31 for shift in (0, 5, 10)])
+            colors = (parts if is_magics else parts[:, ::-1]) * 255 // 31
+            colors = colors.astype(np.uint8)
+        elif np.any(words):
+            others = ("attribute words",)
+        m = len(words)
+    else:
+        lower = _normalised(data)
+        m = sum(1 for _ in _facets(lower))
+        others = ("solids",) if lower.count(b"endsolid") > 1 else ()
+    return Extras(np.arange(3 * m), np.full(m, 3), face_colors=colors, others=others)
 
 
 def _normalised(data: bytes) -> bytes:
@@ -109,21 +135,19 @@ def _match(pattern: re.Pattern[bytes], data: bytes, at: int, expected: str) -> i
     return found.end()
 
 
-def encode(V: Floats, F: Integers, binary: bool) -> bytes:
-    """The bytes of a file; the normal of a triangle without area is zero."""
+def encode(V: Floats, F: Integers, binary: bool, more: Extras | None) -> tuple[bytes, Floats]:
+    """The bytes of a file, and the positions in it; a triangle without area has normal zero."""
     check_single(V)
-    corners = V[F]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
-    normals = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
+    corners, normals = V[F], face_normals(V, F)
     if binary:
         records = np.zeros(len(F), RECORD)
         records["normal"], records["corners"] = normals, corners
-        return b"meshfair".ljust(80) + len(F).to_bytes(4, "little") + records.tobytes()
+        data = b"meshfair".ljust(80) + len(F).to_bytes(4, "little") + records.tobytes()
+        return data, V.astype(np.float32).astype(np.float64)
     facet = (
         "facet normal %.6g %.6g %.6g\nouter loop\n"
         + 3 * "vertex %r %r %r\n"
         + "endloop\nendfacet\n"
     )
     rows = np.column_stack([normals, corners.reshape(-1, 9)])
-    return b"solid meshfair\n" + text.encode_rows(facet, rows) + b"endsolid meshfair\n"
+    return b"solid meshfair\n" + text.encode_rows(facet, rows) + b"endsolid meshfair\n", V

@@ -5,7 +5,8 @@ import copy
 import re
 import warnings
 from collections.abc import Sequence
-from typing import Any, NoReturn, Self
+from itertools import pairwise
+from typing import Any, NoReturn, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -239,3 +240,23 @@ def _row_sizes(numbers: Floats, tables: Sequence[tuple[int, Sequence[bool]]]) ->
 def encode_rows(pattern: str, values: NDArray[Any]) -> bytes:
     """One line for each row of an array; %r writes a number so that it reads back the same."""
     return (pattern * len(values) % tuple(values.ravel().tolist())).encode()
+
+
+Ragged: TypeAlias = tuple[NDArray[Any], Integers]
+"""Some values of each row, one row after another; and how many each row has."""
+
+
+def encode_ragged(*columns: Ragged) -> bytes:
+    """One line for each row, of the values of all columns; see `encode_rows`."""
+    return b"".join(
+        b" ".join(parts) + b"\n" for parts in zip(*map(_ragged_rows, columns), strict=True)
+    )
+
+
+def _ragged_rows(column: Ragged) -> list[bytes]:
+    values, counts = column
+    words = values.tolist()
+    if values.dtype.kind != "S":
+        words = ("%r " * len(words) % tuple(words)).encode().split()
+    ends = np.cumsum(counts).tolist()
+    return [b" ".join(words[a:b]) for a, b in pairwise([0, *ends])]

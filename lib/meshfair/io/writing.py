@@ -5,13 +5,14 @@ import warnings
 from os import PathLike
 from pathlib import Path
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from meshfair.checks import Floats, Integers, MeshWarning, check_mesh
 from meshfair.io.attributes import Attributes
+from meshfair.io.carrying import carried
 from meshfair.io.errors import MeshFileError
-from meshfair.io.formats import File, format_of, name_of
+from meshfair.io.formats import FORMATS, File, format_of, name_of
+from meshfair.io.precision import loss
 from meshfair.io.reading import read
 from meshfair.io.rewriting import rewritten
 from meshfair.io.saving import replace_file
@@ -64,10 +65,7 @@ def write(
         like = _attributes(like, len(V))
     try:
         wanted = format_of(path, format)
-        if like and _is_same(like, wanted.ending, V, F):
-            data, _ = rewritten(like, wanted.module.layout(like.data), V)
-        else:
-            data = wanted.module.encode(V, F, binary is not False)
+        data, told = _encoded(V, F, wanted.ending, binary, like)
         if wanted.packed:
             data = gzip.compress(data, 6, mtime=0)
         if isinstance(path, (str, PathLike)):
@@ -76,6 +74,30 @@ def write(
             path.write(data)
     except MeshFileError as error:
         raise MeshFileError(f"{name}: {error}") from None
+    for message in told:
+        warnings.warn(f"{name}: {message}", MeshWarning, stacklevel=2)
+
+
+def _encoded(
+    V: Floats, F: Integers, ending: str, binary: bool | None, like: Attributes | None
+) -> tuple[bytes, list[str]]:
+    """The bytes of a file, and what is to be told about them."""
+    module, more, told = FORMATS[ending], None, []
+    if like and like.format == ending:
+        was_binary = module.is_binary(like.data)
+        if like.fits(V, F) and (binary is None or was_binary in (None, binary)):
+            data, stored = rewritten(like, module.layout(like.data), V)
+            return data, _sentences(loss(V, F, stored))
+        binary = was_binary if binary is None else binary
+    if like:
+        more, message = carried(like, V, F, ending)
+        told += _sentences(message)
+    data, stored = module.encode(V, F, binary is not False, more)
+    return data, told + _sentences(loss(V, F, stored))
+
+
+def _sentences(message: str) -> list[str]:
+    return [message] if message else []
 
 
 def _attributes(path: str | PathLike[str], n: int) -> Attributes:
@@ -86,7 +108,3 @@ def _attributes(path: str | PathLike[str], n: int) -> Attributes:
         if attributes.vertex is not None and len(attributes.V) != n:
             return read(path, attributes=True, weld=False)[2]
     return attributes
-
-
-def _is_same(like: Attributes, ending: str, V: Floats, F: Integers) -> bool:
-    return like.format == ending and len(V) == len(like.V) and np.array_equal(F, like.F)
