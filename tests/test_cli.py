@@ -438,6 +438,62 @@ def test_progress_on_a_terminal_and_an_interrupt_that_leaves_nothing(noisy, tmp_
     assert set(tmp_path.iterdir()) == there
 
 
+# --- what a file holds beside its mesh -----------------------------------------------------
+
+COLOURED = b"""ply
+format ascii 1.0
+comment a tetrahedron
+element vertex 4
+property float x
+property float y
+property float z
+property uchar red
+property uchar green
+property uchar blue
+property float quality
+element face 4
+property list uchar int vertex_indices
+end_header
+0 0 0 255 0 0 0.5
+1 0 0 0 255 0 0.25
+0 1 0 0 0 255 1
+0 0 1 9 9 9 2
+3 0 2 1
+3 0 1 3
+3 1 2 3
+3 0 3 2
+"""
+
+
+@pytest.mark.parametrize(
+    "words", [["denoise", "--method", "taubin"], ["noise"], ["repair", "--orient", "outward"]]
+)
+def test_everything_but_the_positions_stays(run, tmp_path, words):
+    (tmp_path / "in.ply").write_bytes(COLOURED)
+    out = tmp_path / "o.ply"
+    command, *options = words
+    code, _, err = run(command, tmp_path / "in.ply", out, *options)
+    assert (code, err) == (0, "")
+    old, new = COLOURED.decode().splitlines(), out.read_text().splitlines()
+    rows = slice(13, 17)
+    assert [line.split()[3:] for line in new[rows]] == [line.split()[3:] for line in old[rows]]
+    assert (new[:13], new[17:]) == (old[:13], old[17:])
+    assert (new == old) == (command == "repair")  # which had nothing to do
+
+
+@pytest.mark.parametrize(
+    ("ending", "lost"),
+    [("obj", ["quality"]), ("off", ["quality"]), ("stl", ["colours", "quality"])],
+)
+@pytest.mark.parametrize("command", ["denoise", "noise", "repair"])
+def test_what_another_format_cannot_hold_is_told_in_one_line(run, tmp_path, command, ending, lost):
+    (tmp_path / "in.ply").write_bytes(COLOURED)
+    code, _, err = run(command, tmp_path / "in.ply", tmp_path / f"o.{ending}")
+    assert code == 0
+    assert one_line(err).startswith(f"meshfair {command}: warning: ")
+    assert all(word in err for word in lost)
+
+
 # --- many meshes --------------------------------------------------------------------------
 
 
