@@ -475,9 +475,9 @@ def test_everything_but_the_positions_stays(run, tmp_path, words):
     code, _, err = run(command, tmp_path / "in.ply", out, *options)
     assert (code, err) == (0, "")
     old, new = COLOURED.decode().splitlines(), out.read_text().splitlines()
-    rows = slice(13, 17)
+    rows = slice(14, 18)
     assert [line.split()[3:] for line in new[rows]] == [line.split()[3:] for line in old[rows]]
-    assert (new[:13], new[17:]) == (old[:13], old[17:])
+    assert (new[:14], new[18:]) == (old[:14], old[18:])
     assert (new == old) == (command == "repair")  # which had nothing to do
 
 
