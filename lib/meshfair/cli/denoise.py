@@ -190,7 +190,7 @@ class _Task:
             if value != defaults[name]
         ]
         closer = [gain for _, gain in gains(facts["history"], 3)]
-        return ", ".join([f"{facts['vertices']:,} vertices", *chosen, *closer])
+        return ", ".join([*chosen, *closer]) or f"{facts['vertices']:,} vertices"
 
 
 def _inputs(source: files.Place, options: argparse.Namespace) -> list[files.Place]:
