@@ -6,7 +6,7 @@ from typing import BinaryIO
 import numpy as np
 
 from meshfair.checks import Booleans, Floats, Integers
-from meshfair.io.attributes import Layout
+from meshfair.io.attributes import Attributes, Layout
 from meshfair.io.errors import file_error
 from meshfair.io.extras import Colors, Extras, bytes_of_fractions
 from meshfair.io.opening import check_content
@@ -140,8 +140,9 @@ def is_binary(data: bytes) -> None:
     """No file is, so this is nothing to choose."""
 
 
-def extras(data: bytes) -> Extras:
+def extras(like: Attributes) -> Extras:
     """What a file that was read holds beside positions and faces."""
+    data = like.data
     text = _joined(normalised_text(data, comments=True))
     lines = Lines(text)
     is_face, is_texture = _starting(lines, b"f"), _starting(lines, b"vt")

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshfair.checks import Floats, Integers
-from meshfair.io.attributes import Layout
+from meshfair.io.attributes import Attributes, Layout
 from meshfair.io.errors import file_error, quoted
 from meshfair.io.extras import Extras, bytes_of_fractions, split_at_seams
 from meshfair.io.faces import spans
@@ -107,8 +107,9 @@ def is_binary(data: bytes) -> None:
     """No file is, so this is nothing to choose."""
 
 
-def extras(data: bytes) -> Extras:
+def extras(like: Attributes) -> Extras:
     """What a file that was read holds beside positions and faces."""
+    data = like.data
     text = normalised_text(data, comments=True)
     header = HEADER.match(text)
     assert header  # the file has been read

@@ -76,8 +76,10 @@ def read(
         # A float32 that is NaN may warn when it is widened; it is refused below.
         with _opened(path) as file, np.errstate(invalid="ignore"):
             stream = decompressed(file) if found.packed else file
-            data = stream.read() if attributes else b""
-            V, corners, counts = found.module.parse(io.BytesIO(data) if attributes else stream)
+            if attributes:
+                stream = _Bytes(stream.read())
+                stream.name, data = name, stream.getvalue()
+            V, corners, counts, *notes = found.module.parse(stream)
         V = check_vertices(V, name)
         check_corners(corners, counts, len(V))
     except MeshFileError as error:
@@ -86,8 +88,8 @@ def read(
         raise MeshFileError(f"{name}: reading failed ({error.strerror}); check the disk") from None
     corners = corners.astype(np.int64)
     triangles, told = cut(V, corners, counts)
-    if told:
-        warnings.warn(f"{name}: {told}", MeshWarning, stacklevel=2)
+    for note in filter(None, [*notes, told]):
+        warnings.warn(f"{name}: {note}", MeshWarning, stacklevel=2)
     F = corners.reshape(-1, 3) if triangles is None else corners[triangles]
     vertex = None
     if found.module is stl and weld:
@@ -97,6 +99,12 @@ def read(
     if not attributes:
         return V, F
     return V, F, Attributes(name, found.ending, data, V.copy(), F.copy(), triangles, vertex)
+
+
+class _Bytes(io.BytesIO):
+    """The bytes of a file that may name others beside it."""
+
+    name = ""
 
 
 def _opened(file: File) -> BinaryIO:

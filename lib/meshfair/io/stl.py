@@ -8,7 +8,7 @@ import numpy as np
 
 from meshfair.checks import Floats, Integers
 from meshfair.io import text
-from meshfair.io.attributes import Layout
+from meshfair.io.attributes import Attributes, Layout
 from meshfair.io.errors import file_error, quoted
 from meshfair.io.extras import Extras
 from meshfair.io.opening import check_content
@@ -72,8 +72,9 @@ def layout(data: bytes) -> Layout:
     return Layout(columns[3:], columns[:3], by_face=True)
 
 
-def extras(data: bytes) -> Extras:
+def extras(like: Attributes) -> Extras:
     """What a file that was read holds beside positions: the colours of its triangles."""
+    data = like.data
     others: tuple[str, ...] = ()
     colors = None
     if is_binary(data):

@@ -4,6 +4,7 @@ import gzip
 import warnings
 from os import PathLike
 from pathlib import Path
+from types import ModuleType
 
 from numpy.typing import ArrayLike
 
@@ -86,7 +87,10 @@ def _encoded(
     if like and like.format == ending:
         was_binary = module.is_binary(like.data)
         if like.fits(V, F) and (binary is None or was_binary in (None, binary)):
-            data, stored = rewritten(like, module.layout(like.data), V)
+            if isinstance(module, ModuleType):
+                data, stored = rewritten(like, module.layout(like.data), V)
+            else:
+                data, stored = module.rewritten(like, V)
             return data, _sentences(loss(V, F, stored))
         binary = was_binary if binary is None else binary
     if like:
