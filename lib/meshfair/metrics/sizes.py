@@ -105,5 +105,5 @@ def check_closed(F: Integers, name: str) -> None:
     if turned := np.count_nonzero(turns):
         raise MeshError(
             f"{name} has faces turned against each other at {turned} edges, so it has no volume; "
-            "orient it with mesh.repair"
+            'orient it by mesh.repair(V, F, orient="outward")'
         )

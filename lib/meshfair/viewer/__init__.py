@@ -18,4 +18,14 @@ from meshfair.viewer.side_by_side import SideBySide
 from meshfair.viewer.view import View
 from meshfair.viewer.window import show
 
-__all__ = ["CMAPS", "Camera", "SideBySide", "View", "by_distance", "has_egl", "on_gl_thread", "render", "show"]
+__all__ = [
+    "CMAPS",
+    "Camera",
+    "SideBySide",
+    "View",
+    "by_distance",
+    "has_egl",
+    "on_gl_thread",
+    "render",
+    "show",
+]

@@ -9,11 +9,11 @@ from numpy.typing import ArrayLike
 
 from meshfair.checks import Floats, Integers, check_mesh
 from meshfair.metrics import distances
-from meshfair.viewer.coloring import limits
 from meshfair.viewer.side_by_side import SideBySide
 
 ENOUGH = 20_000  # faces, so that what lies between the vertices of a coarse mesh has colours
 FINEST = 64  # parts of an edge, at most
+SHARE = 99.5  # percent of the points, whose distances have colours of their own
 
 Mesh = tuple[ArrayLike, ArrayLike]
 
@@ -42,14 +42,14 @@ def by_distance(
     Returns
     -------
     SideBySide
-        The colours end at the distance that two in a hundred points exceed.
+        The colours end at the distance that five in a thousand points exceed.
 
     Raises
     ------
     MeshError
         One of them is no mesh.
     """
-    shown = []
+    shown: list[tuple[Floats, Integers, Floats | None]] = []
     for (V, F), reference in zip(meshes, references, strict=True):
         V, F = check_mesh(V, F)
         if reference is None:
@@ -58,12 +58,11 @@ def by_distance(
         V, F = divided(V, F)
         shown.append((V, F, distances(V, *reference)))
     values = [x for _, _, x in shown]
-    given = [x for x in values if x is not None]
+    given: list[Floats] = [x for x in values if x is not None]
     ends = None
     if given:
-        all_ = np.concatenate(given)
-        low, high = limits(all_)
-        ends = (low, high if high > 0 else float(all_.max()))
+        together = np.concatenate(given)
+        ends = (0.0, float(np.percentile(together, SHARE) or together.max()))
     return SideBySide(
         [V for V, _, _ in shown],
         [F for _, F, _ in shown],

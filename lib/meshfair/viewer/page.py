@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Protocol
 
 from meshfair.checks import needed_for
+from meshfair.io.saving import replace_file
 from meshfair.viewer.camera import Camera
 from meshfair.viewer.panel import Panel, Scale
 
@@ -90,7 +91,7 @@ def write_page(shown: Shown, path: str | PathLike[str], title: str) -> None:
         library=_packed(zlib.compress(library, 9)),
         meshes=json.dumps(meshes).replace("<", "\\u003c"),  # a title may hold anything
     )
-    Path(path).write_text(text, encoding="utf-8")
+    replace_file(Path(path), text.encode())
 
 
 def bar(scale: Scale, label: str) -> dict[str, object]:
