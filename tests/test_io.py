@@ -206,9 +206,7 @@ def test_cutting_polygons_is_reported(tmp_path):
 def test_stl_is_not_merged_unless_asked_for_and_both_are_reported(tmp_path, caplog):
     path = tmp_path / "pyramid.stl"
     path.write_bytes(mesh_files.SOUND["binary.stl"])
-    with pytest.warns(
-        MeshWarning, match=r"pyramid\.stl: .* 6 triangles .* weld=True"
-    ) as record:
+    with pytest.warns(MeshWarning, match=r"pyramid\.stl: .* 6 triangles .* weld=True") as record:
         V, F = io.read(path)
     assert record[0].filename == __file__
     assert V.shape == (18, 3)

@@ -19,7 +19,7 @@ from meshfair import __version__
 from meshfair.cli.messages import Messages
 from meshfair.cli.parser import Parser
 
-COMMANDS = ("info", "repair", "noise", "denoise", "compare", "doctor")
+COMMANDS = ("info", "repair", "noise", "denoise", "compare", "view", "doctor")
 # Other packages bring further ones as entry points of this group.
 GROUP = "meshfair.commands"
 

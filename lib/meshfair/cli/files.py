@@ -192,6 +192,14 @@ def check_output(out: Place, inputs: Sequence[Place], force: bool) -> None:
         return
     if ending(out) not in io.FORMATS:
         raise ValueError(f"{out}: name it {', '.join(io.FORMATS)}, or one of them and .gz")
+    check_free(out, inputs, force)
+
+
+def check_free(out: Path, inputs: Sequence[Place], force: bool) -> None:
+    """Refuse any file, not a mesh alone, that would destroy something or cannot be written.
+
+    Parameters and errors are those of `check_output`.
+    """
     for path in inputs:
         if path != STANDARD and out.exists() and path.exists() and os.path.samefile(out, path):
             raise FileExistsError(f"{out} is an input too; give the output another name")

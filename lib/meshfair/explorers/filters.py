@@ -157,7 +157,7 @@ class FilterExplorer(Explorer):
         V_noisy, before = self._start(settings)
         with self.view.together():
             if self._shown is not None and self._shown[0] != settings["mesh"]:
-                self.view.look_at(V)
+                self.view.look_at(V[np.unique(F)])
             self._shown = settings["mesh"], settings["size"]
             self.view.update(V_noisy, panel=0, F=F, title=f"noisy: {_summary(before)}")
             self.view.update(V_new, panel=1, F=F, title=title)

@@ -428,12 +428,12 @@ class JetExplorer(ComparisonExplorer):
     def _aim(self) -> None:
         """Point the camera at what the settings ask for."""
         settings = self.settings()
-        V, _ = jet(settings["missiles"], self._detail)
+        V, F = jet(settings["missiles"], self._detail)
         labels, names = jet_labels(settings["missiles"], self._detail)
         if settings["look"] == self.closer and settings["missiles"]:
             self.view.look_at(V[labels == names.index("tip missile left")], (0.5, 0.9, 0.5))
         else:
-            self.view.look_at(V)
+            self.view.look_at(V[np.unique(F)])
 
 
 class DenoisingExplorer(FlowExplorer):

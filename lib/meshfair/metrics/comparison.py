@@ -53,8 +53,8 @@ def compare(V: ArrayLike, F: ArrayLike, V_true: ArrayLike, F_true: ArrayLike) ->
         rows = same_vertices(V, F, V_true, F_true)
         if not same_orientation(rows[F], F_true):
             raise MeshError(
-                "some faces are turned the other way round in one of the meshes, so their "
-                "normals cannot be compared; orient both with mesh.repair"
+                "some faces are turned the other way round in one of the meshes; "
+                'orient both by mesh.repair(V, F, orient="outward")'
             )
         return Measure(normal_angle(V, V_true[rows], F))
 

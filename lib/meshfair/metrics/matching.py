@@ -67,8 +67,8 @@ def same_vertices(V: Floats, F: Integers, V_true: Floats, F_true: Integers) -> I
     ):  # fmt: skip
         if count != count_true:
             raise MeshError(
-                f"the meshes have {count} and {count_true} {name}, and can be compared vertex by "
-                "vertex only where their faces are the same"
+                f"the meshes have {count} and {count_true} {name}, and only where their faces are "
+                "the same can it be told which vertex is which"
             )
     true = _in_order(F_true)
     rows = np.arange(len(V))
@@ -78,8 +78,8 @@ def same_vertices(V: Floats, F: Integers, V_true: Floats, F_true: Integers) -> I
     if renumbered is not None and np.array_equal(_in_order(renumbered[F]), true):
         return renumbered
     raise MeshError(
-        "the meshes have other faces, and can be compared vertex by vertex only where their faces "
-        "are the same; if only the numbering differs, number the vertices of both alike"
+        "the meshes have other faces, and only where their faces are the same can it be told "
+        "which vertex is which; if it is the numbering alone, number the vertices of both alike"
     )
 
 

@@ -30,13 +30,20 @@ class Backend(Protocol):
 
 
 class Shown(Protocol):
-    """What a back end reads of its view, and the two things that a page asks of it."""
+    """What a back end reads of its view, and the two things that a page asks of it.
 
-    panels: list[Panel]
+    It draws panels that are placed, see `meshfair.viewer.placement`.
+    """
+
+    placed: list[Panel]
     titles: list[str]
     label: str
     up: Floats
     camera: Camera
+
+    @property
+    def placed_camera(self) -> Camera:
+        """The camera that sees the placed panels."""
 
     @property
     def scale(self) -> Scale | None:

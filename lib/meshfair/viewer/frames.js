@@ -32,6 +32,7 @@ function pause(milliseconds) {
 
 /** A number for people: three digits that count. */
 function tidy(number) {
+  if (!Number.isFinite(number)) return "?";
   const size = Math.abs(number);
   if (size !== 0 && (size < 1e-3 || size >= 1e5)) return number.toExponential(1);
   return String(Number(number.toPrecision(3)));
@@ -185,15 +186,9 @@ function render({ model, el }) {
   const error = element("span", "error", foot);
 
   let resting = 0;
-  const receive = async (message, buffers) => {
-    if (message.kind === "error") {
-      error.textContent = message.text;
-      moves.answered();
-      return;
-    }
-    if (message.kind !== "frame") return;
-    clearInterval(asking);
+  const show = async (message, buffers) => {
     error.textContent = "";
+    bar.show(message.bar);
     await Promise.all(
       message.panels.map(async (k, i) => {
         const { caption, stage, picture } = panels[k];
@@ -208,9 +203,24 @@ function render({ model, el }) {
         stage.dataset.draft = message.draft;
       }),
     );
-    bar.show(message.bar);
-    model.send({ kind: "shown" });
-    moves.answered();
+  };
+  const receive = async (message, buffers) => {
+    if (message.kind === "error") {
+      error.textContent = message.text;
+      moves.answered();
+      return;
+    }
+    if (message.kind !== "frame") return;
+    clearInterval(asking);
+    try {
+      await show(message, buffers);
+    } catch (failure) {
+      error.textContent = String(failure);
+    } finally {
+      // Whatever became of this frame: without an answer the next would not be sent.
+      model.send({ kind: "shown" });
+      moves.answered();
+    }
     // Good frames of other panels may come meanwhile: they do not put the rest off.
     if (message.draft) {
       clearTimeout(resting);
