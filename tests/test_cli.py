@@ -186,10 +186,10 @@ def test_noise_at_an_snr(run, knot, tmp_path):
     assert metrics.snr(shapes.knot()[0], V) == pytest.approx(22.85, abs=1e-9)
 
 
-def test_no_noise_has_no_snr_that_json_could_hold(run, knot, tmp_path):
+def test_no_noise_has_an_infinite_snr_in_json_too(run, knot, tmp_path):
     code, text, _ = run("noise", knot, tmp_path / "o.ply", "--sigma", 0, "--json")
     assert code == 0
-    assert json.loads(text)["snr"] is None
+    assert json.loads(text)["snr"] == "Infinity"
 
 
 @pytest.mark.parametrize(
@@ -221,8 +221,11 @@ def test_compare_prints_every_metric(run, knot, tmp_path):
     assert code == 0
     X, _ = io.read(noisy)
     found = json.loads(text)
-    assert found == metrics.compare(X, F, V, F)
-    assert found["snr"] == metrics.snr(V, X)
+    expected = metrics.compare(X, F, V, F)
+    assert {name: one["value"] for name, one in found.items()} == {
+        name: measure.value for name, measure in expected.items()
+    }
+    assert found["snr"]["value"] == metrics.snr(V, X)
     code, text, _ = run("compare", noisy, knot)
     assert code == 0
     assert f"{metrics.snr(V, X):.6g} dB" in text
@@ -1036,11 +1039,22 @@ def test_a_check_that_fails_is_itself_a_finding(error, state, words):
 
 
 @pytest.mark.parametrize("command", cli.COMMANDS)
-def test_help_of_each_command(command, capsys):
+def test_help_of_each_command(command, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
     with pytest.raises(SystemExit) as stop:
         cli.main([command, "--help"])
     assert stop.value.code == 0
-    assert f"usage: meshfair {command}" in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert f"usage: meshfair {command}" in out
+    assert max(map(len, out.splitlines())) <= 80
+
+
+def test_help_names_the_default_method(capsys):
+    with pytest.raises(SystemExit):
+        cli.main(["denoise", "--help"])
+    assert f"(default {denoising.DEFAULT}; see --methods)" in " ".join(
+        capsys.readouterr().out.split()
+    )
 
 
 def test_wrong_usage_is_2(capsys):
@@ -1166,7 +1180,7 @@ def test_json_has_no_numbers_that_json_has_not(capsys):
     )
     assert json.loads(capsys.readouterr().out) == {
         "a": None,
-        "b": [None, 1],
+        "b": ["Infinity", 1],
         "c": [0, 1],
         "d": True,
     }
