@@ -1,6 +1,7 @@
 """Many meshes through one task: it goes on where one fails, and says at the end what was done."""
 
 import argparse
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Protocol
@@ -119,6 +120,6 @@ def _print(task: Task, done: list[dict[str, Any]], total: int, options: argparse
     for facts in failed:
         reason = facts["error"].removeprefix(f"{facts['in']}: ")
         text = f"{facts['in']}: failed: {reason}"
-        print(printing.wrapped(text, "    "))
+        print(printing.wrapped(text, "    ") if sys.stdout.isatty() else text)
     told = f"{len(rows)} of {total} meshes written to {options.folder}"
     print(f"{told}; {len(failed)} failed" if failed else told)
