@@ -828,6 +828,16 @@ def test_advice_is_in_the_words_of_the_command():
     assert told.startswith("meshfair repair --weld 0 --degenerate, or ")
 
 
+@pytest.mark.parametrize(
+    "name", ["mesh.stl", "mesh.area.stl", "mesh.repair.ply", "weights.obj", "noise.off", "V.ply"]
+)
+def test_names_of_files_are_no_words_of_python(run, tmp_path, name):
+    for path in (tmp_path / name, name):
+        code, _, err = run("info", path)
+        assert code == 1
+        assert one_line(err).startswith(f"meshfair info: {path}: opening: ")
+
+
 def messages_of(folder):
     """The text of every error and warning in the modules of a folder; values in it are 7."""
     for path in sorted(folder.rglob("*.py")):
