@@ -808,6 +808,14 @@ def test_wrong_noise_is_told_in_the_words_of_the_command(run, tmp_path, words, m
     assert not (tmp_path / "o.off").exists()
 
 
+def test_an_assignment_that_is_almost_one(run, tmp_path):
+    words = ["--assignment", "a11", "--out", tmp_path / "grades.csv"]
+    code, _, err = run("grade", tmp_path, *words)
+    assert code == 1
+    assert "there is no assignment a11; there are a1, " in one_line(err)
+    assert "(did you mean 'a1'?)" in err
+
+
 def parser_of(command):
     parser = Parser(prog=command)
     importlib.import_module(f"meshfair.cli.{command}").add_arguments(parser)
