@@ -1065,6 +1065,13 @@ def test_help_of_each_command(command, capsys, monkeypatch):
     assert max(map(len, out.splitlines())) <= 80
 
 
+@pytest.mark.parametrize("command", ["noise", "denoise", "compare"])
+def test_help_says_that_an_snr_depends_on_the_origin(command, capsys):
+    with pytest.raises(SystemExit):
+        cli.main([command, "--help"])
+    assert re.search(r"SNR \w+.* origin", " ".join(capsys.readouterr().out.split()))
+
+
 def test_help_names_the_default_method(capsys):
     with pytest.raises(SystemExit):
         cli.main(["denoise", "--help"])

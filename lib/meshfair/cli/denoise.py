@@ -6,7 +6,8 @@ each IN is denoised into a file of its name in the folder, and one that fails st
 What the file holds beside positions stays as it is.
 
 Parameters that are not given have the method's defaults; a method refuses
-those that it does not have, and names its own.
+those that it does not have, and names its own. An SNR depends on where the origin lies:
+compare SNRs of meshes in one place only.
 """
 
 import argparse
