@@ -4,6 +4,8 @@ import json
 import os
 import re
 import shutil
+from io import BytesIO
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -237,14 +239,8 @@ POSES = "meshfair.plots.map(plot => plot.getWorld().camera.position.toArray())"
 
 def seen(tab):
     """What each panel shows, and how much of it is not white."""
-    stages = [Image.open(_bytes(stage.screenshot())) for stage in tab.query_selector_all(".stage")]
+    stages = [Image.open(BytesIO(stage.screenshot())) for stage in tab.query_selector_all(".stage")]
     return [np.asarray(image.convert("RGB")) for image in stages]
-
-
-def _bytes(data):
-    from io import BytesIO
-
-    return BytesIO(data)
 
 
 @pytest.mark.xdist_group("browser")
@@ -304,6 +300,47 @@ def test_the_page_shows_linked_meshes_from_a_file_without_a_network(browser, run
     assert complaints == []
     assert set(asked) <= {"file", "blob", "data"}
     context.close()
+
+
+@pytest.mark.xdist_group("browser")
+def test_the_live_views_script_reports_each_frame_as_shown_whatever_is_in_it(browser):
+    script = Path(viewer.__file__).with_name("frames.js").read_text(encoding="utf-8")
+    tab = browser.new_page()
+    tab.set_content("<body><div id=view style='width: 300px'></div></body>")
+    tab.add_script_tag(
+        type="module",
+        content=script
+        + """
+window.sent = [];
+const model = {
+  get: () => 1, off: () => {},
+  send: (message) => window.sent.push(message.kind),
+  on: (name, receive) => (window.receive = receive),
+};
+render({ model, el: document.getElementById("view") });
+""",
+    )
+    tab.wait_for_function("window.receive !== undefined")
+    jpeg = BytesIO()
+    Image.new("RGB", (30, 20), "red").save(jpeg, "JPEG")
+    frame = {"kind": "frame", "number": 1, "panels": [0], "titles": ["a"], "draft": False}
+    bar = {"label": "x", "low": 0, "high": 1, "stops": ["#000000", "#ffffff"]}
+    broken = [
+        frame | {"bar": bar | {"low": None, "high": None}},  # as JSON has NaN
+        frame | {"bar": bar | {"stops": None}},
+        frame | {"bar": None, "titles": None},
+        frame | {"bar": None, "panels": [7]},
+    ]
+    give = "([message, data]) => window.receive(message, [new Uint8Array(data)])"
+    for k, message in enumerate(broken):
+        tab.evaluate(give, [message, list(jpeg.getvalue())])
+        assert tab.evaluate("window.sent.filter(kind => kind === 'shown').length") == k + 1
+        assert (tab.inner_text(".error") == "") == (k == 0)
+    assert tab.inner_text(".error").startswith("TypeError")
+    tab.evaluate(give, [frame | {"bar": bar}, list(jpeg.getvalue())])
+    assert tab.inner_text(".error") == ""
+    assert tab.inner_text(".bar .high") == "1"
+    tab.close()
 
 
 def test_no_more_panels_than_browsers_draw(tmp_path):

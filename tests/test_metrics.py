@@ -1,3 +1,5 @@
+from types import SimpleNamespace
+
 import igl
 import numpy as np
 import pytest
@@ -294,6 +296,19 @@ def test_no_distance_depends_on_place_or_unit(unit, offset, rng):
     for name in set(here) - {"snr"}:
         assert there[name].value == pytest.approx(here[name].value, rel=1e-6), name
         assert there[name].bound == pytest.approx(here[name].bound, rel=1e-3, abs=1e-9), name
+
+
+def test_seams_are_no_boundary_and_meshes_of_other_libraries_are_meshes(rng):
+    V, F = shapes.icosphere(1)
+    V_noisy = noise.gaussian(V, F, 0.1, rng)
+    soup = np.arange(F.size).reshape(F.shape)
+    change = metrics.volume_change(V_noisy, V, F)
+    torn = metrics.volume_change(V_noisy[F].reshape(-1, 3), V[F].reshape(-1, 3), soup)
+    assert torn == pytest.approx(change, rel=1e-12)
+    noisy, true = (SimpleNamespace(vertices=X, faces=F) for X in (V_noisy, V))
+    assert metrics.compare(noisy, true) == metrics.compare(V_noisy, F, V, F)
+    assert metrics.volume_change(noisy, true) == change
+    assert metrics.hausdorff(noisy, V, F) == metrics.hausdorff(V_noisy, F, V, F)
 
 
 def test_vertices_that_no_face_uses_count_nowhere(rng):

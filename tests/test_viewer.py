@@ -343,6 +343,15 @@ def test_arrays_stand_for_numbers_and_lists(torus):
     assert View([V, V], F, values=[None, None], backend="k3d").scale is None
 
 
+def test_meshes_of_another_library_stand_for_both_arrays(torus):
+    other = types.SimpleNamespace(vertices=torus[0], faces=torus[1])
+    for view in (View(other, backend="k3d"), View([other, other], titles="x", backend="k3d")):
+        np.testing.assert_array_equal(view.panels[-1].V, torus[0])
+        np.testing.assert_array_equal(view.panels[-1].F, torus[1])
+    with pytest.raises(MeshError, match="F is missing; give the faces"):
+        View(torus[0], backend="k3d")
+
+
 @pytest.mark.parametrize(("options", "message"), [
     ({"limits": (1, 0)}, r"limits is \(1, 0\); give two numbers, the smaller one first"),
     ({"limits": np.array([[0, 1]])}, "limits is array"),

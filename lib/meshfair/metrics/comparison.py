@@ -5,6 +5,7 @@ from collections.abc import Callable
 from numpy.typing import ArrayLike
 
 from meshfair.checks import MeshError, check_mesh
+from meshfair.mesh import takes_meshes
 from meshfair.metrics.matching import compact, same_orientation, same_vertices
 from meshfair.metrics.measure import Measure
 from meshfair.metrics.rowwise import normal_angle, snr
@@ -12,6 +13,7 @@ from meshfair.metrics.sizes import relative_area, relative_volume
 from meshfair.metrics.surfaces import hausdorff, surface_distance, vertex_distance
 
 
+@takes_meshes
 def compare(V: ArrayLike, F: ArrayLike, V_true: ArrayLike, F_true: ArrayLike) -> dict[str, Measure]:
     """Every metric of a mesh and its ground truth, or why it does not fit them.
 

@@ -4,8 +4,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from meshfair.checks import Floats, Integers, MeshError, check_mesh
+from meshfair.mesh import takes_meshes
 
 
+@takes_meshes
 def matched(V: ArrayLike, F: ArrayLike, V_true: ArrayLike, F_true: ArrayLike) -> Floats:
     """The ground truth's vertices in the order of a mesh's own.
 

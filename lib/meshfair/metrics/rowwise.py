@@ -4,9 +4,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from meshfair.checks import Floats, MeshError, check_same_vertices
-from meshfair.mesh import face_normals
+from meshfair.mesh import face_normals, takes_meshes
 
 
+@takes_meshes
 def snr(V: ArrayLike, V_noisy: ArrayLike) -> float:
     """Signal-to-noise ratio of a noisy mesh, in decibels (the original report, Def. 1).
 
@@ -63,6 +64,7 @@ def snr_of_distances(V: Floats, distances: ArrayLike) -> Floats:
         return -20 * np.log10(np.asarray(distances) / signal)
 
 
+@takes_meshes
 def normal_angle(V: ArrayLike, V_true: ArrayLike, F: ArrayLike) -> float:
     """Mean angle between the face normals of two meshes, in degrees.
 
@@ -91,6 +93,7 @@ def normal_angle(V: ArrayLike, V_true: ArrayLike, F: ArrayLike) -> float:
     return float(normal_angles(V, V_true, F).mean())
 
 
+@takes_meshes
 def normal_angles(V: ArrayLike, V_true: ArrayLike, F: ArrayLike) -> Floats:
     """The angles that `normal_angle` is the mean of, in degrees: one for each face.
 

@@ -4,9 +4,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from meshfair.checks import Floats, Integers, MeshError, check_faces, check_same_vertices
-from meshfair.mesh import area, half_edges, join, volume
+from meshfair.mesh import area, half_edges, join, takes_meshes, volume
 
 
+@takes_meshes
 def volume_change(V: ArrayLike, V_true: ArrayLike, F: ArrayLike) -> float:
     """Relative change of the enclosed volume: -0.02 where two percent are lost.
 
@@ -33,6 +34,7 @@ def volume_change(V: ArrayLike, V_true: ArrayLike, F: ArrayLike) -> float:
     return relative_volume(V, F, V_true, F)
 
 
+@takes_meshes
 def area_change(V: ArrayLike, V_true: ArrayLike, F: ArrayLike) -> float:
     """Relative change of the surface's area: 0.3 where noise has added thirty percent.
 

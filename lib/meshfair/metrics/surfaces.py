@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from meshfair.checks import Floats, Integers, MeshError, check_mesh, check_vertices
-from meshfair.mesh import face_areas, mean_edge_length
+from meshfair.mesh import face_areas, mean_edge_length, takes_meshes
 from meshfair.metrics.matching import compact
 from meshfair.metrics.measure import Measure
 from meshfair.metrics.triangles import squared_distances
@@ -23,6 +23,7 @@ FINEST = 1e-3  # mean edge lengths up to which it is looked for, however small i
 MOST = 300_000  # points looked at for it, on each surface; a search that ends here says so
 
 
+@takes_meshes
 def vertex_distance(V: ArrayLike, V_true: ArrayLike, F_true: ArrayLike) -> float:
     """Mean distance from the vertices to the true surface, over its mean edge length.
 
@@ -51,6 +52,7 @@ def vertex_distance(V: ArrayLike, V_true: ArrayLike, F_true: ArrayLike) -> float
     return float(true.distances(X).mean())
 
 
+@takes_meshes
 def surface_distance(V: ArrayLike, F: ArrayLike, V_true: ArrayLike, F_true: ArrayLike) -> Measure:
     """Mean distance between two surfaces, over the ground truth's mean edge length.
 
@@ -85,6 +87,7 @@ def surface_distance(V: ArrayLike, F: ArrayLike, V_true: ArrayLike, F_true: Arra
     return Measure(float(there.mean() + back.mean()) / 2, float(2 * error))
 
 
+@takes_meshes
 def hausdorff(V: ArrayLike, F: ArrayLike, V_true: ArrayLike, F_true: ArrayLike) -> Measure:
     """Hausdorff distance between two surfaces, over the ground truth's mean edge length.
 
@@ -119,6 +122,7 @@ def hausdorff(V: ArrayLike, F: ArrayLike, V_true: ArrayLike, F_true: ArrayLike) 
     return Measure(low, max(high, high_back, low) - low)
 
 
+@takes_meshes
 def distances(X: ArrayLike, V: ArrayLike, F: ArrayLike) -> Floats:
     """Distance of each of some points from a surface, in the units of the mesh.
 

@@ -7,12 +7,35 @@ from typing import Any
 import numpy as np
 
 from meshfair.checks import MeshError, check_choice, check_range, check_text
+from meshfair.mesh.objects import arrays, is_object
 from meshfair.viewer.panel import CMAPS
 
 
-def count_panels(V: Any) -> int:
-    """The number of panels that some positions are for."""
-    return len(V) if _is_list(V, 2) else 1
+def each_mesh(V: Any, F: Any) -> list[tuple[Any, Any]]:
+    """Positions and faces for each panel.
+
+    Parameters
+    ----------
+    V : array_like, another library's mesh, or a list of either
+    F : array_like or a list of them; None where ``V`` holds meshes
+
+    Returns
+    -------
+    list of (V, F)
+
+    Raises
+    ------
+    MeshError, ValueError
+        A mesh that is none, no faces, or lists of different lengths.
+    """
+    if is_object(V):
+        return [arrays(V)]
+    if isinstance(V, (list, tuple)) and any(is_object(mesh) for mesh in V):
+        return [arrays(mesh) for mesh in V]
+    if F is None:
+        raise MeshError("F is missing; give the faces, or a mesh of another library for V")
+    count = len(V) if _is_list(V, 2) else 1
+    return list(zip(each(V, 2, count, "V"), each(F, 2, count, "F"), strict=True))
 
 
 def each(given: Any, ndim: int, count: int, name: str) -> list[Any]:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from meshfair.checks import check_choice, check_flag, check_mesh, check_size, check_values
+from meshfair.mesh import takes_meshes
 from meshfair.viewer.camera import FIELD_OF_VIEW, Camera
 from meshfair.viewer.egl import MISSING_EGL, MISSING_POLYSCOPE, has_egl, has_polyscope
 from meshfair.viewer.painter import paint
@@ -39,6 +40,7 @@ def on_gl_thread(function: Callable[[], Result]) -> Result:
     return gl_thread().submit(function).result()
 
 
+@takes_meshes
 def render(
     V: ArrayLike,
     F: ArrayLike,

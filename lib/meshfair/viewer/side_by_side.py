@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from os import PathLike
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,7 +18,7 @@ from meshfair.checks import (
     check_values,
     check_vertices,
 )
-from meshfair.viewer.arguments import coloring, count_panels, each, each_title
+from meshfair.viewer.arguments import coloring, each, each_mesh, each_title
 from meshfair.viewer.camera import Camera
 from meshfair.viewer.page import write_page
 from meshfair.viewer.panel import Panel, Scale
@@ -52,8 +52,8 @@ class SideBySide:
 
     def __init__(
         self,
-        V: ArrayLike,
-        F: ArrayLike,
+        V: Any,
+        F: Any = None,
         *,
         titles: str | Sequence[str | None] | None = None,
         values: ArrayLike | Sequence[ArrayLike | None] | None = None,
@@ -65,16 +65,12 @@ class SideBySide:
         direction: ArrayLike = (1, -1, 0.6),
         up: ArrayLike = (0, 0, 1),
     ) -> None:
-        count = count_panels(V)
+        meshes = each_mesh(V, F)
+        count = len(meshes)
         self._smooth, self._edges = check_flag(smooth, "smooth"), check_flag(edges, "edges")
         self.panels = [
-            self._panel(*mesh)
-            for mesh in zip(
-                each(V, 2, count, "V"),
-                each(F, 2, count, "F"),
-                each(values, 1, count, "values"),
-                strict=True,
-            )
+            self._panel(*mesh, numbers)
+            for mesh, numbers in zip(meshes, each(values, 1, count, "values"), strict=True)
         ]
         self.titles = each_title(titles, count)
         self.label, self.limits, self.cmap = coloring(label, limits, cmap)

@@ -26,7 +26,7 @@ class View(SideBySide):
     Parameters
     ----------
     V : array_like, shape (n, 3), or a list of them
-        One mesh, or one for each panel.
+        One mesh, or one for each panel. A mesh of another library stands for V and F.
     F : array_like of integers, shape (m, 3), or a list of them
         One for all panels, or one for each.
     titles : str or list of str, optional
@@ -67,8 +67,8 @@ class View(SideBySide):
 
     def __init__(
         self,
-        V: ArrayLike,
-        F: ArrayLike,
+        V: Any,
+        F: Any = None,
         *,
         titles: str | Sequence[str | None] | None = None,
         values: ArrayLike | Sequence[ArrayLike | None] | None = None,

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from meshfair.checks import check_mesh, check_text, check_values, needed_for
+from meshfair.mesh import takes_meshes
 from meshfair.viewer.panel import Panel, Scale, colors
 from meshfair.viewer.placement import Placement
 
@@ -21,6 +22,7 @@ NO_SCREEN = (
 )
 
 
+@takes_meshes
 def show(
     V: ArrayLike, F: ArrayLike, *, values: ArrayLike | None = None, title: str = "meshfair"
 ) -> subprocess.Popen[bytes]:
