@@ -13,7 +13,7 @@ from meshfair.io.splicing import Change, Places, put, rewritten_words, spliced, 
 from meshfair.io.text import parse_numbers
 from meshfair.mesh import face_normals
 
-DIGITS = 9  # of normals in text: a float32 has no more
+NORMAL = "%.9g"  # of normals in text: a float32 has no more digits
 
 
 def rewritten(attributes: Attributes, layout: Layout, V: Floats) -> tuple[bytes, Floats]:
@@ -83,9 +83,8 @@ def _normals(attributes: Attributes, layout: Layout, V: Floats, moved: Booleans)
         old = np.column_stack([_numbers(attributes.data, places) for places in layout.normals])
         row = F if layout.normal_of is None else attributes.of_corners(layout.normal_of)
         normals, changed = renewed(attributes.V, V, F, row, old)
-    if layout.normals[0].size is not None:
-        normals = np.round(normals, DIGITS)
-    return _changes(layout.normals, normals, np.column_stack(3 * [changed]))
+    changes = _changes(layout.normals, normals, np.column_stack(3 * [changed]))
+    return [change._replace(pattern=NORMAL) for change in changes]
 
 
 def _numbers(data: bytes, places: Places) -> Floats:

@@ -50,6 +50,7 @@ class Change(NamedTuple):
     places: Places
     values: Floats
     chosen: Booleans
+    pattern: str = "%r"  # as which they are written in a text; this reads back the same
 
     def fits(self) -> bool:
         """Whether the type can hold the values, rounded where it is one of fractions."""
@@ -91,32 +92,36 @@ def spliced(data: bytes, edits: Sequence[Edit]) -> bytes:
 
 
 def rewritten_words(data: bytes, changes: Sequence[Change]) -> bytes:
-    """A text with other numbers, each so that it reads back the same."""
+    """A text with other numbers, written as each change says."""
     words = [
-        (places.at[chosen], places.size[chosen], values[chosen])
-        for places, values, chosen in changes
+        (places.at[chosen], places.size[chosen], values[chosen], np.full(chosen.sum(), kind))
+        for kind, (places, values, chosen, _) in enumerate(changes)
         if places.size is not None
     ]
-    at, size, values = (np.concatenate(parts) for parts in zip(*words, strict=True))
+    at, size, values, kind = (np.concatenate(parts) for parts in zip(*words, strict=True))
     order = np.argsort(at, kind="stable")
-    # The text becomes a pattern: %r for each number, and %% for each percent sign.
+    at, size, values, kind = at[order], size[order], values[order], kind[order]
+    # The text becomes a pattern: one %r, say, for each number, and %% for each percent sign.
     codes = np.frombuffer(data, np.uint8)
-    edges = np.zeros(len(codes) + 1, np.int8)
-    edges[at] += 1
-    edges[at + size] -= 1
-    times = 1 - np.cumsum(edges[:-1], dtype=np.int8)
-    times[(codes == ord("%")) & (times == 1)] = 2
-    times[at] = 2
+    percents = np.flatnonzero(codes == ord("%"))
+    new_size = np.array([len(change.pattern) for change in changes])[kind]
+    gaps = np.diff(at, prepend=0) - np.append(0, size[:-1])
+    runs = np.column_stack([gaps, size]).ravel()
+    times = np.repeat(np.tile(np.array([1, 0], np.uint8), len(at)), runs)
+    times = np.append(times, np.ones(len(codes) - len(times), np.uint8))
+    times[at], times[percents] = new_size, 2
     pattern = np.repeat(codes, times)
-    where = np.cumsum(times, dtype=np.int64)[at] - 2
-    pattern[where], pattern[where + 1] = ord("%"), ord("r")
-    text = pattern.tobytes().decode("latin-1") % tuple(values[order].tolist())
+    begin = at + np.cumsum(new_size - size) - (new_size - size) + np.searchsorted(percents, at)
+    for number, change in enumerate(changes):
+        for k, letter in enumerate(change.pattern.encode()):
+            pattern[begin[kind == number] + k] = letter
+    text = pattern.tobytes().decode("latin-1") % tuple(values.tolist())
     return text.encode("latin-1")
 
 
 def put(data: bytearray, change: Change) -> None:
     """Write binary numbers in place."""
-    places, values, chosen = change
+    places, values, chosen, _ = change
     stride = int(places.at[1] - places.at[0]) if len(places.at) > 1 else 0
     if np.all(places.at[1:] - places.at[:-1] == stride):
         column = np.ndarray(len(values), places.dtype, data, int(places.at[0]), (stride,))
