@@ -69,5 +69,6 @@ def layout(data: bytes) -> Layout | None:
         first = np.searchsorted(words[0], found.end()) + 3 * np.arange(rows)
         return [Places.of_words(words, first + k) for k in range(3)]
 
-    words = words_of(normalised_text(data, comments=False))
+    if head["kind"] == b"ASCII":
+        words = words_of(normalised_text(data, comments=False))
     return Layout(columns(points), columns(normals) if normals else ())

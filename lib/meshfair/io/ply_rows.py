@@ -196,7 +196,7 @@ def _rows_alike(
         name: Column(
             rows[name].ravel(),
             np.full(len(rows), n),
-            range(at + offsets[name], end, layout.itemsize),
+            range(at + offsets[name], end + offsets[name], layout.itemsize),
         )
         for name, n in length_of.items()
     }
