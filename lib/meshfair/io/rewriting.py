@@ -13,7 +13,8 @@ from meshfair.io.splicing import Change, Places, put, rewritten_words, spliced, 
 from meshfair.io.text import parse_numbers
 from meshfair.mesh import face_normals
 
-NORMAL = "%.9g"  # of normals in text: a float32 has no more digits
+# How numbers are written as text, so that they read back the same; a normal is a float32.
+EXACT, WHOLE, NORMAL = "%r", "%d", "%.9g"
 
 
 def rewritten(attributes: Attributes, layout: Layout, V: Floats) -> tuple[bytes, Floats]:
@@ -54,6 +55,7 @@ def rewritten(attributes: Attributes, layout: Layout, V: Floats) -> tuple[bytes,
         everywhere = np.ones(len(V), bool)
         edits += [widened(c._replace(chosen=everywhere), layout.double) for c in positions]
     else:
+        positions = [change._replace(pattern=EXACT) for change in positions]
         data = _written(attributes.data, positions + normals)
     return spliced(data, edits), V
 
@@ -61,7 +63,7 @@ def rewritten(attributes: Attributes, layout: Layout, V: Floats) -> tuple[bytes,
 def _changes(columns: Sequence[Places], values: Floats, chosen: Booleans) -> list[Change]:
     shape = -1, len(columns)
     parts = zip(columns, values.reshape(shape).T, chosen.reshape(shape).T, strict=True)
-    return [Change(*part) for part in parts]
+    return [Change(*part, EXACT if part[0].dtype.kind == "f" else WHOLE) for part in parts]
 
 
 def _written(data: bytes, changes: list[Change]) -> bytes:

@@ -50,7 +50,7 @@ class Change(NamedTuple):
     places: Places
     values: Floats
     chosen: Booleans
-    pattern: str = "%r"  # as which they are written in a text; this reads back the same
+    pattern: str  # as which they are written in a text
 
     def fits(self) -> bool:
         """Whether the type can hold the values, rounded where it is one of fractions."""
