@@ -255,6 +255,8 @@ def malformed():
         "inf": "inf",
         "underscore": "0_1",
         "hexadecimal": "0x1",
+        "plus": "+",
+        "minus": "- 1",
     }
     for kind in "off", "ply":
         for name, value in indices.items():
@@ -272,6 +274,8 @@ def malformed():
             "four_more": "3 1 2 4 5 5 5 5 5",
         }.items():
             files[f"face_{name}.{kind}"] = changed(SOUND[kind], "3 1 2 4", row)
+        files[f"last_index_plus.{kind}"] = SOUND[kind].rstrip()[:-1] + b"+"
+    files["last_index_plus.obj"] = SOUND["obj"].rstrip()[:-1] + b"+"
     del files["face_length_too_small.off"]  # an edge with a colour: refused for its two corners
     files["face_length_too_small.off"] = changed(SOUND["off"], "3 1 2 4", "2 1 2 4")
     for name, value in indices.items():

@@ -299,12 +299,15 @@ def test_what_a_format_holds_is_carried(skin, format):
 
 
 @pytest.mark.parametrize("binary", [True, False])
-def test_trimesh_finds_colours_and_normals_in_a_ply(skin, binary):
-    V, F, color, _, data = skin
-    out, _ = told(V, F, "ply", like=read(data, "obj")[2], binary=binary)
+def test_trimesh_finds_colours_in_a_ply(binary):
+    V, F = mesh_files.V, mesh_files.F
+    color = [[i, 2 * i, 255] for i in range(len(V))]
+    rows = mesh_files.text("%r %r %r %d %d %d\n", np.hstack([V, color]).tolist())
+    data = f"COFF\n{len(V)} {len(F)} 0\n{rows}{mesh_files.polygons(F)}".encode()
+    out = written(V, F, "ply", like=read(data, "off")[2], binary=binary)
     other = trimesh.load_mesh(streams.BytesIO(out), file_type="ply", process=False)
-    # It gives each corner of a face a vertex of its own, for the texture coordinates.
-    np.testing.assert_allclose(other.vertices[other.faces], V[F], atol=0)
+    assert np.array_equal(other.vertices, V)
+    assert other.visual.vertex_colors[:, :3].tolist() == color
 
 
 def test_trimesh_finds_everything_in_a_glb(skin):
