@@ -265,6 +265,7 @@ def malformed():
             "length_too_large": "4 1 2 4",
             "length_too_small": "2 1 2 4",
             "length_negative": "-3 1 2 4",
+            "length_minus_one": "-1 1 2 4",
             "length_huge": "99999999999999999999 1 2 4",
             "length_fraction": "3.5 1 2 4",
             "two_corners": "2 1 2",

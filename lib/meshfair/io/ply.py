@@ -66,7 +66,7 @@ def layout(data: bytes) -> Layout:
 
     def places(names: Sequence[str]) -> list[Places]:
         if order:
-            return [Places(table[n].starts, dtype=table[n].values.dtype) for n in names]
+            return [Places(table[n].starts, dtype=table[n].table.dtype) for n in names]
         return [Places.of_words(words, which[n], properties[n].dtype) for n in names]
 
     found = [properties[name] for name in NORMAL if name in properties]

@@ -36,9 +36,14 @@ class Element(NamedTuple):
 class Column(NamedTuple):
     """The values of a property in all rows, one after another."""
 
-    values: NDArray[Any]
+    table: NDArray[Any]  # of any shape: what nobody asks for is not copied
     lengths: Integers  # how many each row has
     at: Integers | range  # where those of each row begin: which word of the rows, or which byte
+
+    @property
+    def values(self) -> NDArray[Any]:
+        """The values in one dimension."""
+        return self.table.ravel()
 
     @property
     def starts(self) -> Integers:
@@ -194,7 +199,7 @@ def _rows_alike(
     offsets = {name: offset for name, (_, offset, *_) in (layout.fields or {}).items()}
     table = {
         name: Column(
-            rows[name].ravel(),
+            rows[name],
             np.full(len(rows), n),
             range(at + offsets[name], end + offsets[name], layout.itemsize),
         )

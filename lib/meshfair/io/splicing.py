@@ -54,10 +54,10 @@ class Change(NamedTuple):
 
     def fits(self) -> bool:
         """Whether the type can hold the values, rounded where it is one of fractions."""
+        if self.places.dtype.kind == "f":
+            return bool(np.abs(self.values).max() <= np.finfo(self.places.dtype).max)
         values = self.values[self.chosen]
-        stored = self.places.stored(values)
-        is_float = self.places.dtype.kind == "f"
-        return bool(np.all(np.isfinite(stored) if is_float else stored == values))
+        return bool(np.all(self.places.stored(values) == values))
 
 
 class Edit(NamedTuple):
@@ -103,15 +103,21 @@ def rewritten_words(data: bytes, changes: Sequence[Change]) -> bytes:
     at, size, values, kind = at[order], size[order], values[order], kind[order]
     # The text becomes a pattern: one %r, say, for each number, and %% for each percent sign.
     codes = np.frombuffer(data, np.uint8)
-    percents = np.flatnonzero(codes == ord("%"))
+    at += np.searchsorted(np.flatnonzero(codes == ord("%")), at)
+    codes = np.frombuffer(data.replace(b"%", b"%%"), np.uint8)
     new_size = np.array([len(change.pattern) for change in changes])[kind]
     gaps = np.diff(at, prepend=0) - np.append(0, size[:-1])
-    runs = np.column_stack([gaps, size]).ravel()
-    times = np.repeat(np.tile(np.array([1, 0], np.uint8), len(at)), runs)
-    times = np.append(times, np.ones(len(codes) - len(times), np.uint8))
-    times[at], times[percents] = new_size, 2
-    pattern = np.repeat(codes, times)
-    begin = at + np.cumsum(new_size - size) - (new_size - size) + np.searchsorted(percents, at)
+    last = len(codes) - at[-1] - size[-1]
+    is_kept, is_old = (
+        np.repeat(
+            np.append(np.tile([True, False], len(at)), True),
+            np.append(np.column_stack([gaps, sizes]).ravel(), last),
+        )
+        for sizes in (size, new_size)
+    )
+    pattern = np.empty(len(is_old), np.uint8)
+    pattern[is_old] = codes[is_kept]
+    begin = np.cumsum(gaps + new_size) - new_size
     for number, change in enumerate(changes):
         for k, letter in enumerate(change.pattern.encode()):
             pattern[begin[kind == number] + k] = letter
