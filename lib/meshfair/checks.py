@@ -9,9 +9,12 @@ Conventions of the whole package:
 
 from __future__ import annotations
 
+import sys
+import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from numbers import Integral
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -25,11 +28,19 @@ Integers = NDArray[np.int64]
 Booleans = NDArray[np.bool_]
 Choice = TypeVar("Choice")
 
+PACKAGE = str(Path(__file__).parent)
 # Products of four coordinates (areas squared) must stay finite in float64.
 LARGEST_COORDINATE = 1e75
 # A triangle is degenerate when its height over its longest edge is this small
 # a part of that edge: below it, rounding decides the normal and the cotangents.
 DEGENERATE = 1e-12
+# Or when it is this small a part of the largest coordinate: three points on a line, each
+# rounded to float64, make a triangle that high (sqrt(3) eps at most) wherever the mesh lies.
+ROUNDED = 4 * float(np.finfo(np.float64).eps)
+
+# Vectors cancel where their sum is this small a part of the sum of their lengths: what is left
+# is the rounding of a few thousand terms, which has no direction.
+CANCELLED = 1e-12
 
 EXTRAS = {
     "viewer": {"PIL", "matplotlib", "polyscope", "polyscope_bindings"},
@@ -52,6 +63,20 @@ class MeshWarning(UserWarning):
 
 class StabilityWarning(UserWarning):
     """A time step past the bound up to which the flow is stable."""
+
+
+def warn(message: str, category: type[Warning] = MeshWarning) -> None:
+    """Warn, and name the line that called the package, whatever lies between.
+
+    Parameters
+    ----------
+    message : str
+    category : type of Warning
+    """
+    level, frame = 1, sys._getframe(0)
+    while frame.f_back and frame.f_code.co_filename.startswith(PACKAGE):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(message, category, stacklevel=level)
 
 
 class NotInstalledError(ModuleNotFoundError):
@@ -283,8 +308,28 @@ def check_choice(value: Choice, name: str, choices: Iterable[Choice]) -> Choice:
     choices = list(choices)
     if not any(value is choice or value == choice for choice in choices):
         listed = ", ".join(str(choice) for choice in choices)
-        raise ValueError(f"{name} is {value!r}; give one of {listed}")
+        raise ValueError(f"{name} is {value!r}; give one of {listed}{did_you_mean(value, choices)}")
     return value
+
+
+def did_you_mean(word: Any, known: Iterable[Any]) -> str:
+    """A part of a message: which of the known words was meant, if one is close.
+
+    Parameters
+    ----------
+    word : object
+    known : iterable
+
+    Returns
+    -------
+    str
+        " (did you mean 'taubin'?)", or nothing.
+    """
+    from difflib import get_close_matches  # for an error alone
+
+    names = {other.lower(): other for other in known if isinstance(other, str)}
+    close = get_close_matches(word.lower(), names, n=1) if isinstance(word, str) else []
+    return f" (did you mean {names[close[0]]!r}?)" if close else ""
 
 
 def check_values(values: ArrayLike, n: int, m: int, name: str = "values") -> Floats:
@@ -538,5 +583,14 @@ def needed_for(purpose: str) -> Iterator[None]:
 
 
 def install(extra: str) -> str:
-    """The command that installs the libraries of an extra."""
+    """The command that installs the libraries of an extra.
+
+    Parameters
+    ----------
+    extra : str
+
+    Returns
+    -------
+    str
+    """
     return f'pip install "meshfair[{extra}]"'

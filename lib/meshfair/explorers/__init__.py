@@ -21,6 +21,7 @@ with needed_for("an explorer"):
         JetExplorer,
     )
     from meshfair.explorers.noises import NoiseExplorer
+    from meshfair.explorers.prediction import Prediction
     from meshfair.explorers.stability import StabilityExplorer
 
 __all__ = [
@@ -33,5 +34,6 @@ __all__ = [
     "HeatExplorer",
     "JetExplorer",
     "NoiseExplorer",
+    "Prediction",
     "StabilityExplorer",
 ]

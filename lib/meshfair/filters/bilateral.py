@@ -66,7 +66,7 @@ def bilateral(
         lengths = weights.distance(V, edges)
         sigma_c = shortest_edges(lengths)
         near = within(V, lengths, radius * sigma_c)
-        N = normalised(B @ face_shapes(V, F)[0])
+        N = normalised(B @ face_shapes(V, F)[0], np.diff(B.indptr))
         V = move_along_normals(V, N, near, sigma_c, fixed)
         yield step / iterations, V
 
