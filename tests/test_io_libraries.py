@@ -86,6 +86,18 @@ def test_a_scene_is_written_again_with_its_nodes_and_each_mesh_moves_alone(forma
     assert set(nodes.nodes_geometry) == {"here", "there"}
 
 
+def test_a_mesh_that_its_scene_puts_far_away_loses_nothing():
+    V, F = shapes.icosphere(3)
+    scene = trimesh.Scene()
+    place = trimesh.transformations.translation_matrix([448250, 5411940, 212])
+    scene.add_geometry(trimesh.Trimesh(V, F, process=False), transform=place)
+    X, T, attributes, _ = read(exported(scene, "glb"), "glb", attributes=True)
+    out = streams.BytesIO()
+    io.write(out, X + 0.125, T, like=attributes, format="glb")  # a warning would be an error
+    # In single precision there is the mesh, not its place; doubles end at 1e-9 there.
+    np.testing.assert_allclose(read(out.getvalue(), "glb")[0], X + 0.125, atol=1e-6, rtol=0)
+
+
 @pytest.mark.parametrize("format", SCENES)
 def test_the_meshes_of_a_scene_keep_their_order(format):
     V, F = shapes.icosphere(0)

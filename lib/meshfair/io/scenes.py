@@ -115,7 +115,7 @@ class Scenes:
         if np.array_equal(V, like.V):
             return like.data, V
         scene = self._scene(like.data, like.name)
-        at, seen = 0, set[int]()
+        at, seen, stored = 0, set[int](), []
         for part in self._parts(scene):
             mesh, matrix, F = part.mesh, part.matrix, np.asarray(part.mesh.faces, np.int64)
             V_old, at = np.array(mesh.vertices), at + len(mesh.vertices)
@@ -128,9 +128,10 @@ class Scenes:
                 scene.graph.transforms.remove_node(name)
             seen.add(id(mesh))
             mesh.vertices = V_new
+            stored.append(self._stored(V_new) @ matrix[:3, :3].T + matrix[:3, 3])
             if normals is not None:
                 mesh.vertex_normals = renewed(V_old, V_new, F, F, np.array(normals))[0]
-        return self._exported(scene), self._stored(V)
+        return self._exported(scene), np.concatenate(stored)
 
     def _scene(self, data: bytes, name: str) -> Any:
         with needed_for(f"a {self.ending} file"), _quiet():
