@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from meshfair.checks import Floats, Integers, needed_for
 from meshfair.io import legacy_vtk
 from meshfair.io.attributes import Attributes
-from meshfair.io.errors import file_error
+from meshfair.io.errors import file_error, one_line
 from meshfair.io.extras import Extras, bytes_of_fractions, split_at_seams
 from meshfair.io.normals import renewed
 from meshfair.io.rewriting import rewritten
@@ -124,7 +124,7 @@ class Grids:
             except (MemoryError, KeyboardInterrupt):
                 raise
             except BaseException as error:  # of a damaged file, even SystemExit
-                found = f"{type(error).__name__} ({error})"
+                found = f"{type(error).__name__} ({one_line(error)})"
                 raise file_error("content", found, f"a whole {self.ending} was expected") from None
 
     def _written(self, grid: Mesh) -> bytes:

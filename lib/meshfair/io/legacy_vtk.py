@@ -16,7 +16,17 @@ ARRAY = re.compile(rb"\s*(?:OFFSETS|CONNECTIVITY)\s+\w*?(?P<bits>32|64)[ \t]*\r?
 OTHERS = re.compile(rb"\n(?:VERTICES|LINES|TRIANGLE_STRIPS)\s+\d+\s+\d+[ \t]*\r?\n")
 NEXT = re.compile(rb"(?=\s(?:POINT_DATA|CELL_DATA|METADATA)\s)|\s*\Z")
 POINTS = re.compile(rb"\nPOINTS\s+(?P<rows>\d{1,12})\s+(?P<type>float|double)[ \t]*\r?\n")
-NORMALS = re.compile(rb"\nNORMALS\s+\S+\s+(?P<type>float|double)[ \t]*\r?\n")
+# The normals' own section, or the other forms in which programs write them.
+NORMALS = re.compile(
+    rb"\n(?:NORMALS\s+\S+|VECTORS\s+Normals|Normals\s+3\s+\d+)\s+(?P<type>float|double)[ \t]*\r?\n"
+)
+# What meshio does not know, and the same in words that it knows.
+UNKNOWN = {
+    rb"\nNORMALS\s+(\S+\s+(?:float|double)[ \t]*\r?\n)": rb"\nVECTORS \1",
+    rb"\nTEXTURE_COORDINATES\s+(\S+)\s+(\d)\s+(float|double)[ \t]*\r?\n": (
+        rb"\nSCALARS \1 \3 \2\nLOOKUP_TABLE default\n"
+    ),
+}
 TYPES: dict[bytes, np.dtype[Any]] = {b"float": np.dtype(">f4"), b"double": np.dtype(">f8")}
 POLYGON = 7  # VTK's number for this kind of cell
 
@@ -26,6 +36,8 @@ def as_grid(data: bytes) -> bytes:
 
     Both store the cells alike; a grid names the kind of each cell, too.
     """
+    for pattern, known in UNKNOWN.items():
+        data = re.sub(pattern, known, data)
     head, polygons = HEAD.match(data), POLYGONS.search(data)
     if not head or head["set"] != b"POLYDATA":
         return data
@@ -69,5 +81,6 @@ def layout(data: bytes) -> Layout | None:
         first = np.searchsorted(words[0], found.end()) + 3 * np.arange(rows)
         return [Places.of_words(words, first + k) for k in range(3)]
 
-    words = words_of(normalised_text(data, comments=False))
+    if head["kind"] == b"ASCII":
+        words = words_of(normalised_text(data, comments=False))
     return Layout(columns(points), columns(normals) if normals else ())

@@ -97,7 +97,9 @@ def _faces(lines: Lines) -> tuple[NDArray[Any], Integers]:
     numbers = lines.numbers(np.float64 if has_fractions else np.int64)
     starts, values = lines.starts(), lines.words - 1
     counts = numbers[starts]
-    fits = np.isin(values - counts, (0, 1, 3, 4))  # no colour, an index of one, RGB, RGBA
+    fits = (counts >= 0) & np.isin(
+        values - counts, (0, 1, 3, 4)
+    )  # no colour, an index of one, RGB, RGBA
     lines.require(fits, values, "values after the count of a face", "the count is another")
     counts = counts.astype(np.int64)
     return numbers[spans(starts + 1, counts)], counts

@@ -42,8 +42,9 @@ def read(
     Parameters
     ----------
     path : str, os.PathLike or binary stream
-        A regular file ending in .obj, .off, .ply or .stl, or in one of these
-        and .gz; upper case is the same. Or an open file, such as
+        A regular file ending in .obj, .off, .ply or .stl; with the extra
+        ``formats`` also in .glb, .gltf, .3mf, .dae, .vtk or .vtu; or in one of
+        these and .gz. Upper case is the same. Or an open file, such as
         ``sys.stdin.buffer``; this needs `format`.
     weld : bool
         Merge the vertices of an STL file that have equal coordinates. This
@@ -60,7 +61,8 @@ def read(
         Vertex positions, in the file's units and order, used by a face or not.
     F : ndarray of int64, shape (m, 3)
         Vertex indices of the triangles, from 0, in the file's order. Faces of
-        more corners are cut into triangles, and a `MeshWarning` says so.
+        more corners are cut into triangles of their area, and a `MeshWarning`
+        says so, as it does where several meshes of a scene are read as one.
     attributes : Attributes
         Only where asked for.
 
@@ -69,6 +71,8 @@ def read(
     MeshFileError, MeshError
         No mesh, or one that is cut or damaged: the message has the file, the
         place in it, what is there, what should be, and what to do.
+    NotInstalledError
+        A format whose library is missing; the message says what to install.
     """
     name = name_of(path)
     try:

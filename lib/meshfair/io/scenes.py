@@ -13,7 +13,7 @@ import numpy as np
 
 from meshfair.checks import Floats, Integers, needed_for
 from meshfair.io.attributes import Attributes
-from meshfair.io.errors import file_error
+from meshfair.io.errors import file_error, one_line
 from meshfair.io.extras import Colors, Extras, split_at_seams
 from meshfair.io.normals import renewed
 from meshfair.mesh import vertex_normals
@@ -115,7 +115,7 @@ class Scenes:
         if np.array_equal(V, like.V):
             return like.data, V
         scene = self._scene(like.data, like.name)
-        at, seen = 0, set[int]()
+        at, seen, stored = 0, set[int](), []
         for part in self._parts(scene):
             mesh, matrix, F = part.mesh, part.matrix, np.asarray(part.mesh.faces, np.int64)
             V_old, at = np.array(mesh.vertices), at + len(mesh.vertices)
@@ -128,9 +128,10 @@ class Scenes:
                 scene.graph.transforms.remove_node(name)
             seen.add(id(mesh))
             mesh.vertices = V_new
+            stored.append(self._stored(V_new) @ matrix[:3, :3].T + matrix[:3, 3])
             if normals is not None:
                 mesh.vertex_normals = renewed(V_old, V_new, F, F, np.array(normals))[0]
-        return self._exported(scene), self._stored(V)
+        return self._exported(scene), np.concatenate(stored)
 
     def _scene(self, data: bytes, name: str) -> Any:
         with needed_for(f"a {self.ending} file"), _quiet():
@@ -145,13 +146,16 @@ class Scenes:
             except (ImportError, MemoryError):
                 raise
             except Exception as error:  # a damaged file, wherever the library met it
-                found = f"trimesh ended with {type(error).__name__} ({error})"
+                found = f"trimesh ended with {type(error).__name__} ({one_line(error)})"
                 raise file_error("content", found, f"a whole {self.ending} was expected") from None
 
     def _parts(self, scene: Any) -> list[Part]:
-        """The meshes of a scene, in the order of its nodes."""
+        """The meshes of a scene, in an order that is the same when it is read again."""
+        nodes = scene.graph.nodes_geometry
+        if self.ending != ".dae":  # where names are made up, and the order is kept
+            nodes = sorted(nodes)
         parts = []
-        for node in scene.graph.nodes_geometry:
+        for node in nodes:
             matrix, name = scene.graph[node]
             thing = scene.geometry[name]
             if type(thing).__name__ == "Trimesh" and len(thing.faces):
