@@ -146,6 +146,7 @@ def test_the_averaging_explorer_counts_iterations():
 
 def test_the_comparison_has_one_noise_for_all_weights():
     explorer = explorers.ComparisonExplorer(V, F, iterations=3)
+    explorer.controls["iteration"].value = 0
     explorer.wait()
     first, *others = (panel.V for panel in explorer.view.panels)
     for other in others:

@@ -13,14 +13,10 @@ with needed_for("an explorer"):
     from meshfair.explorers.curves import CurvePlot
     from meshfair.explorers.explorer import Explorer
     from meshfair.explorers.filters import FilterExplorer
-    from meshfair.explorers.flows import (
-        AveragingExplorer,
-        ComparisonExplorer,
-        DenoisingExplorer,
-        HeatExplorer,
-        JetExplorer,
-    )
+    from meshfair.explorers.heat import AveragingExplorer, ComparisonExplorer, HeatExplorer
+    from meshfair.explorers.jet import JetExplorer
     from meshfair.explorers.noises import NoiseExplorer
+    from meshfair.explorers.own_mesh import DenoisingExplorer
     from meshfair.explorers.stability import StabilityExplorer
 
 __all__ = [

@@ -25,8 +25,8 @@ class Backend(Protocol):
     def refresh(self, panels: Iterable[int]) -> None:
         """Draw some panels again: their meshes, values, titles, or the colour bar changed."""
 
-    def camera_moved(self) -> None:
-        """Draw all panels again: the view's camera changed."""
+    def camera_moved(self, panels: Iterable[int] = ()) -> None:
+        """Draw all panels again: the view's camera changed, and in some their meshes."""
 
 
 class Shown(Protocol):

@@ -65,7 +65,7 @@ class Frames:
             self._wanted.update(dict.fromkeys(panels, DRAFT))
         self._pump()
 
-    def camera_moved(self) -> None:
+    def camera_moved(self, panels: Iterable[int] = ()) -> None:
         """Draw all panels again."""
         self.refresh(range(len(self._view.panels)))
 

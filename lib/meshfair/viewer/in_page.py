@@ -85,8 +85,9 @@ class InPage:
             )
             self._plots[k] += self._meshes[k]
 
-    def camera_moved(self) -> None:
-        """Point the plots' camera as the view's."""
+    def camera_moved(self, panels: Iterable[int] = ()) -> None:
+        """Point the plots' camera as the view's, and show some panels of now."""
+        self.refresh(panels)
         camera = self._view.camera
         place = [*camera.position, *camera.target, *camera.up]
         for plot in self._plots:

@@ -109,10 +109,11 @@ class View:
         self.label, self.limits, self.cmap = label, limits, cmap
         Scale.of([], limits, cmap)  # refused here, not in the thread that draws
         self.up = check_direction(up, "up")
-        self._direction = check_direction(direction, "direction")
+        self.direction = check_direction(direction, "direction")
         # What the reset button shows, whatever the panels hold by then: set by look_at.
-        self._home = np.concatenate([panel.V for panel in self.panels]), self._direction
+        self._home = np.concatenate([panel.V for panel in self.panels]), self.direction
         self._changed: set[int] | None = None  # panels changed inside `together`
+        self._moved = False  # the camera was, there
         self.aspect = STILL[0] / STILL[1] / count
         self.camera = self._camera_home()
         self._backend = _backend(backend, self)
@@ -178,7 +179,11 @@ class View:
             yield self
         finally:
             self._changed = None
-            self._refresh(changed)
+            if self._moved:
+                self._moved = False
+                self._backend.camera_moved(changed)
+            else:
+                self._refresh(changed)
 
     def color_by(
         self, label: str, limits: tuple[float, float] | None = None, cmap: str | None = None
@@ -220,14 +225,38 @@ class View:
         MeshError, ValueError
             No points, or no direction.
         """
-        towards = self._direction if direction is None else check_direction(direction, "direction")
+        towards = self.direction if direction is None else check_direction(direction, "direction")
         self._home = (check_vertices(V).copy(), towards)
         self.reset()
 
+    def refit(self, V: ArrayLike) -> None:
+        """Point the reset button at other points, and the camera with it.
+
+        A camera that was turned, moved or brought closer stays so, and goes as far away as
+        the points' new size asks for.
+
+        Parameters
+        ----------
+        V : array_like, shape (k, 3)
+            What should fill the picture, such as a mesh that has grown.
+
+        Raises
+        ------
+        MeshError
+            No points.
+        """
+        before = self._camera_home()
+        self._home = (check_vertices(V).copy(), self._home[1])
+        after = self._camera_home()
+        if after == before:
+            return
+        self.camera = after if self.camera == before else self.camera.follow(before, after)
+        self._camera_moved()
+
     def reset(self) -> None:
-        """Go back to the camera of the beginning, or of the last `look_at`."""
+        """Go back to the camera of the beginning, or of the last `look_at` or `refit`."""
         self.camera = self._camera_home()
-        self._backend.camera_moved()
+        self._camera_moved()
 
     def fit(self, aspect: float) -> None:
         """Say the panels' shape, width over height; the page does."""
@@ -235,6 +264,12 @@ class View:
         self.aspect = check_number(aspect, "aspect", 0, open_low=True)
         if untouched:
             self.camera = self._camera_home()
+
+    def _camera_moved(self) -> None:
+        if self._changed is None:
+            self._backend.camera_moved()
+        else:
+            self._moved = True
 
     def _camera_home(self) -> Camera:
         V, direction = self._home
