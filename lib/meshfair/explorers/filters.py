@@ -155,7 +155,7 @@ class FilterExplorer(Explorer):
         V, F = self._meshes[settings["mesh"]]
         V_noisy, before = self._start(settings)
         with self.view.together():
-            frame = Frame(self.view, np.concatenate([V, V_noisy]))
+            frame = Frame(self.view, [V, V_noisy], F)
             if self._shown is not None and self._shown[0] != settings["mesh"]:
                 self.view.look_at(frame.V)
             else:

@@ -153,7 +153,7 @@ class FlowExplorer(Explorer):
 
     def _frame_start(self, start: Start) -> None:
         """All of the noisy mesh, and of the ground truth, should be in the picture."""
-        self._frame = Frame(self.view, np.concatenate([start.V_true, start.V_noisy]))
+        self._frame = Frame(self.view, [start.V_true, start.V_noisy], start.F)
         self._aim()
 
     def _aim(self) -> None:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from meshfair.checks import Floats
+from meshfair.checks import Floats, Integers
 from meshfair.viewer import Camera, View
 from meshfair.viewer.camera import FIELD_OF_VIEW
 
@@ -18,12 +20,15 @@ class Frame:
     Parameters
     ----------
     view : View
-    V : ndarray of float64, shape (n, 3)
+    meshes : sequence of ndarray, shape (n, 3)
         What fills the picture.
+    F : ndarray of int64, shape (m, 3)
+        The faces of all of them.
     """
 
-    def __init__(self, view: View, V: Floats) -> None:
-        self._view, self.V = view, V
+    def __init__(self, view: View, meshes: Sequence[Floats], F: Integers) -> None:
+        self._view, self._used = view, np.unique(F)
+        self.V = np.concatenate([V[self._used] for V in meshes])
 
     def reduced(self, V: Floats) -> tuple[Floats, str]:
         """A mesh as it is to be drawn, and what the title says of that.
@@ -40,9 +45,9 @@ class Frame:
             Such as ", drawn 1 : 12"; empty where the mesh is as it is.
         """
         home = self._camera(self.V)
-        if _sees(home, V, self._view.aspect):
+        if _sees(home, V[self._used], self._view.aspect):
             return V, ""
-        needed = self._camera(V)
+        needed = self._camera(V[self._used])
         size = _distance(needed) / _distance(home)
         # Seen from the same point a mesh looks the same in every size.
         drawn = home.position + (V - needed.position) / max(size, 1.0)

@@ -86,7 +86,8 @@ class JetExplorer(ComparisonExplorer):
             labels, names = jet_labels(True, self._detail)
             self.view.look_at(V[labels == names.index("tip missile left")], (0.5, 0.9, 0.5))
         else:
-            self.view.look_at(jet(self.controls["missiles"].value, self._detail)[0])
+            V, F = jet(self.controls["missiles"].value, self._detail)
+            self.view.look_at(V[np.unique(F)])
 
     def _aim(self) -> None:
         if not self._closer():

@@ -90,7 +90,8 @@ class NoiseExplorer(Explorer):
         self.snr = metrics.snr(V + move, V_noisy + move)
         values = None
         with self.view.together():
-            self.view.refit(np.concatenate([V, V_noisy]))
+            used = np.unique(F)
+            self.view.refit(np.concatenate([V[used], V_noisy[used]]))
             if settings["color"] != PLAIN:
                 look = coloring.COLORINGS[settings["color"]]
                 values = look.of(V, F)(V_noisy)

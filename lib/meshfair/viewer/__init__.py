@@ -9,7 +9,8 @@ when something is drawn, and a library that is missing is named in one sentence.
 """
 
 from meshfair.viewer.camera import Camera
-from meshfair.viewer.offscreen import has_egl, on_gl_thread, render
+from meshfair.viewer.egl import has_egl
+from meshfair.viewer.offscreen import on_gl_thread, render
 from meshfair.viewer.panel import CMAPS
 from meshfair.viewer.view import View
 from meshfair.viewer.window import show

@@ -10,8 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, Protocol
 
-from meshfair.checks import Floats
+from meshfair.checks import Floats, check_choice, needed_for
 from meshfair.viewer.camera import Camera
+from meshfair.viewer.egl import has_egl
 from meshfair.viewer.panel import Panel, Scale
 
 
@@ -30,13 +31,20 @@ class Backend(Protocol):
 
 
 class Shown(Protocol):
-    """What a back end reads of its view, and the two things that a page asks of it."""
+    """What a back end reads of its view, and the two things that a page asks of it.
 
-    panels: list[Panel]
+    It draws panels that are placed, see `meshfair.viewer.placement`.
+    """
+
+    placed: list[Panel]
     titles: list[str]
     label: str
     up: Floats
     camera: Camera
+
+    @property
+    def placed_camera(self) -> Camera:
+        """The camera that sees the placed panels."""
 
     @property
     def scale(self) -> Scale | None:
@@ -47,3 +55,17 @@ class Shown(Protocol):
 
     def reset(self) -> None:
         """The page asks for the first camera again."""
+
+
+def made(name: str | None, view: Shown) -> Backend:
+    """What draws a view in the page, by name; its libraries are loaded here."""
+    if name is None:
+        name = "polyscope" if has_egl() else "k3d"
+    name = check_choice(name, "backend", ("polyscope", "k3d"))
+    if name == "polyscope":
+        with needed_for("a live view"):
+            from meshfair.viewer.frames import Frames
+        return Frames(view)
+    with needed_for("a live view without EGL"):
+        from meshfair.viewer.in_page import InPage
+    return InPage(view)

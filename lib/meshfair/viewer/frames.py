@@ -56,7 +56,7 @@ class Frames:
         # The page's: panel size, pixel ratio, background.
         self._layout: dict[str, Any] | None = None
         self.drawn = 0  # number of frames drawn so far
-        self.widget = FramesWidget(count=len(view.panels))
+        self.widget = FramesWidget(count=len(view.placed))
         self.widget.on_msg(self._receive)
 
     def refresh(self, panels: Iterable[int]) -> None:
@@ -67,7 +67,7 @@ class Frames:
 
     def camera_moved(self, panels: Iterable[int] = ()) -> None:
         """Draw all panels again."""
-        self.refresh(range(len(self._view.panels)))
+        self.refresh(range(len(self._view.placed)))
 
     def _receive(self, widget: Any, message: dict[str, Any], buffers: Any) -> None:
         """Handle a message from the page; on any thread, and quick."""
@@ -114,12 +114,12 @@ class Frames:
         ratio = min(ratio, LARGEST / max(layout["width"], layout["height"]))
         size = (round(layout["width"] * ratio), round(layout["height"] * ratio))
         try:
-            scale, camera = view.scale, view.camera
+            scale, camera = view.scale, view.placed_camera
             titles = [view.titles[k] for k in panels]
             pictures = [
                 encode(
                     offscreen.scene().draw(
-                        view.panels[k],
+                        view.placed[k],
                         camera,
                         size,
                         slot=k,
@@ -150,7 +150,8 @@ class Frames:
 
 def bar(scale: Scale, label: str) -> dict[str, Any]:
     """What the page needs to draw the colour bar."""
-    return {"label": label, "low": scale.low, "high": scale.high, "stops": scale.stops()}
+    low, high = scale.ends()
+    return {"label": label, "low": low, "high": high, "stops": scale.stops()}
 
 
 def encode(pixels: Pixels, quality: int) -> bytes:

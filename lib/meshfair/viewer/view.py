@@ -12,23 +12,24 @@ from numpy.typing import ArrayLike
 
 from meshfair.checks import (
     check_choice,
-    check_count,
     check_direction,
+    check_flag,
     check_mesh,
     check_number,
+    check_range,
+    check_text,
     check_values,
     check_vertices,
-    needed_for,
 )
-from meshfair.viewer.backend import Backend
+from meshfair.viewer.arguments import count_panels, each, each_title
+from meshfair.viewer.backend import Backend, made
 from meshfair.viewer.camera import Camera
-from meshfair.viewer.offscreen import Pixels, has_egl, render
-from meshfair.viewer.panel import Panel, Scale
+from meshfair.viewer.panel import CMAPS, Panel, Scale
+from meshfair.viewer.placement import Placement
+from meshfair.viewer.stills import STILL, still
 
 if TYPE_CHECKING:
     from PIL.Image import Image
-
-STILL = (1000, 360)  # pixels of a still picture, all panels together
 
 
 class View:
@@ -47,12 +48,13 @@ class View:
     titles : str or list of str, optional
         What stands above each panel.
     values : array_like, shape (n,) or (m,), or a list of them, optional
-        A number for each vertex or each face, shown as a colour; None in the
-        list for a panel without.
+        A number for each vertex or each face, shown as a colour; grey where it
+        is NaN or infinite. None in the list for a panel without.
     label : str
         What the values are, with their unit; stands at the colour bar.
     limits : (float, float), optional
-        The values at both ends of the colour bar; their range by default.
+        The values at both ends of the colour bar; by default the range of those
+        that are finite.
     cmap : str
         A colour map, one of `meshfair.viewer.CMAPS`.
     smooth : bool
@@ -60,7 +62,8 @@ class View:
     edges : bool
         Draw the edges as thin lines.
     direction, up : three floats
-        From the meshes towards the camera, and what stays upright; not parallel.
+        From the meshes towards the camera, and what stays upright. Looking straight
+        along ``up``, an axis across stands up in its place.
     backend : {"polyscope", "k3d"}, optional
         What draws; by default polyscope where there is EGL.
 
@@ -94,35 +97,46 @@ class View:
         up: ArrayLike = (0, 0, 1),
         backend: str | None = None,
     ) -> None:
-        count = _count(V)
-        self._smooth, self._edges = smooth, edges
+        count = count_panels(V)
+        self._smooth, self._edges = check_flag(smooth, "smooth"), check_flag(edges, "edges")
         self.panels = [
             self._panel(*mesh)
             for mesh in zip(
-                _each(V, 2, count, "V"),
-                _each(F, 2, count, "F"),
-                _each(values, 1, count, "values"),
+                each(V, 2, count, "V"),
+                each(F, 2, count, "F"),
+                each(values, 1, count, "values"),
                 strict=True,
             )
         ]
-        self.titles: list[str] = [title or "" for title in _each(titles, 0, count, "titles")]
-        self.label, self.limits, self.cmap = label, limits, cmap
-        Scale.of([], limits, cmap)  # refused here, not in the thread that draws
+        self.titles = each_title(titles, count)
+        self.label, self.limits, self.cmap = _coloring(label, limits, cmap)
         self.up = check_direction(up, "up")
         self.direction = check_direction(direction, "direction")
         # What the reset button shows, whatever the panels hold by then: set by look_at.
-        self._home = np.concatenate([panel.V for panel in self.panels]), self.direction
+        drawn = [panel.V[panel.used] for panel in self.panels]
+        self._home = np.concatenate(drawn), self.direction
+        self._place()
         self._changed: set[int] | None = None  # panels changed inside `together`
         self._moved = False  # the camera was, there
         self.aspect = STILL[0] / STILL[1] / count
         self.camera = self._camera_home()
-        self._backend = _backend(backend, self)
+        self._backend: Backend = made(backend, self)
 
     def _panel(self, V: ArrayLike, F: ArrayLike, values: ArrayLike | None) -> Panel:
         V, F = check_mesh(V, F)
-        numbers = None if values is None else check_values(values, len(V), len(F))
-        # Positions are copied: the renderers tell by identity whether an array is new.
+        numbers = None if values is None else check_values(values, len(V), len(F), finite=False)
+        # A copy, to which nobody else writes.
         return Panel(V.copy(), F, numbers, self._smooth, self._edges)
+
+    def _place(self) -> None:
+        """Place all panels anew, for what draws them."""
+        self._placement = Placement.of(self.panels)
+        self.placed = [self._placement.panel(panel) for panel in self.panels]
+
+    @property
+    def placed_camera(self) -> Camera:
+        """The camera that sees the placed panels."""
+        return self._placement.camera(self.camera)
 
     @property
     def widget(self) -> Any:
@@ -132,7 +146,7 @@ class View:
     @property
     def scale(self) -> Scale | None:
         """How the panels' values become colours now: a `Scale`, None without values."""
-        return Scale.of([panel.values for panel in self.panels], self.limits, self.cmap)
+        return Scale.of(self.panels, self.limits, self.cmap)
 
     def update(
         self,
@@ -154,7 +168,8 @@ class View:
         F : array_like of integers, optional
             New faces; those of before by default.
         values : array_like, shape (n,) or (m,), optional
-            What the colours show; without it the mesh has one colour.
+            What the colours show, grey where it is NaN or infinite; without it the
+            mesh has one colour.
         title : str, optional
 
         Raises
@@ -162,13 +177,19 @@ class View:
         MeshError, ValueError
             No mesh, values that do not fit it, or no such panel.
         """
-        old = self.panels[check_choice(panel, "panel", range(len(self.panels)))]
+        panel = check_choice(panel, "panel", range(len(self.panels)))
+        old = self.panels[panel]
+        title = self.titles[panel] if title is None else check_text(title, "title")
         self.panels[panel] = self._panel(
             old.V if V is None else V, old.F if F is None else F, values
         )
-        if title is not None:
-            self.titles[panel] = title
-        self._refresh([panel])
+        self.titles[panel] = title
+        if self._placement.holds(self.panels):
+            self.placed[panel] = self._placement.panel(self.panels[panel])
+            self._refresh([panel])
+        else:
+            self._place()
+            self._refresh(range(len(self.panels)), moved=True)
 
     @contextlib.contextmanager
     def together(self) -> Iterator[View]:
@@ -178,12 +199,9 @@ class View:
         try:
             yield self
         finally:
+            moved, self._moved = self._moved, False
             self._changed = None
-            if self._moved:
-                self._moved = False
-                self._backend.camera_moved(changed)
-            else:
-                self._refresh(changed)
+            self._refresh(changed, moved=moved)
 
     def color_by(
         self, label: str, limits: tuple[float, float] | None = None, cmap: str | None = None
@@ -195,18 +213,17 @@ class View:
         label : str
             What stands at the colour bar.
         limits : (float, float), optional
-            The values at its ends; their range by default.
+            The values at its ends; by default the range of those that are finite.
         cmap : str, optional
             Its colour map, one of `meshfair.viewer.CMAPS`; that of before by default.
 
         Raises
         ------
         ValueError
-            ``limits`` that are no range, or an unknown ``cmap``.
+            A label that is no text, ``limits`` that are no range, or an unknown ``cmap``.
         """
-        bar = (label, limits, cmap or self.cmap)
+        bar = _coloring(label, limits, self.cmap if cmap is None else cmap)
         if bar != (self.label, self.limits, self.cmap):
-            Scale.of([], limits, bar[2])
             self.label, self.limits, self.cmap = bar
             self._refresh(range(len(self.panels)))
 
@@ -251,12 +268,12 @@ class View:
         if after == before:
             return
         self.camera = after if self.camera == before else self.camera.follow(before, after)
-        self._camera_moved()
+        self._refresh([], moved=True)
 
     def reset(self) -> None:
         """Go back to the camera of the beginning, or of the last `look_at` or `refit`."""
         self.camera = self._camera_home()
-        self._camera_moved()
+        self._refresh([], moved=True)
 
     def fit(self, aspect: float) -> None:
         """Say the panels' shape, width over height; the page does."""
@@ -265,99 +282,72 @@ class View:
         if untouched:
             self.camera = self._camera_home()
 
-    def _camera_moved(self) -> None:
-        if self._changed is None:
-            self._backend.camera_moved()
-        else:
-            self._moved = True
-
-    def _camera_home(self) -> Camera:
+    def _camera_home(self, aspect: float | None = None) -> Camera:
         V, direction = self._home
-        return Camera.around(V, direction, self.up, aspect=self.aspect)
+        return Camera.around(V, direction, self.up, aspect=aspect or self.aspect)
 
-    def _refresh(self, panels: Iterable[int]) -> None:
+    def camera_for(self, aspect: float) -> Camera:
+        """The camera for a picture of another shape, in which nothing is cut.
+
+        Parameters
+        ----------
+        aspect : float
+            Width over height of the picture of one panel.
+
+        Returns
+        -------
+        Camera
+            From nobody's hand: the one that fits the shape. Else the view's own, moved
+            back as far as a narrower picture needs.
+        """
+        aspect = check_number(aspect, "aspect", 0, open_low=True)
+        if self.camera == self._camera_home():
+            return self._camera_home(aspect)
+        return self.camera.zoom(max(1.0, self.aspect / aspect))
+
+    def _refresh(self, panels: Iterable[int], moved: bool = False) -> None:
+        """Draw some panels again, and all of them where the camera has moved."""
         if self._changed is None:
-            self._backend.refresh(panels)
+            draw = self._backend.camera_moved if moved else self._backend.refresh
+            draw(panels)
         else:
             self._changed.update(panels)
+            self._moved = self._moved or moved
 
-    def still(self, size: tuple[int, int] = STILL) -> Image:
+    def still(
+        self, size: tuple[int, int] = STILL, *, background: str | None = None
+    ) -> Image:
         """Draw what the view shows now into a picture, with titles and colour bar.
+
+        Where the camera has not been moved, the meshes fill a picture of any shape;
+        else it shows at least what the view does.
 
         Parameters
         ----------
         size : (int, int)
-            Width and height in pixels, all panels together.
+            Width and height in pixels, all panels together; 64 to 8192 each.
+        background : str, optional
+            A colour, as matplotlib names it; without it the picture is transparent, and
+            its letters can be read on light and on dark pages.
 
         Returns
         -------
         PIL.Image.Image
-            A notebook shows it; ``.save("knot.png")`` writes it.
+            A notebook shows it; ``.save("knot.png")`` writes it. For JPEG, which knows no
+            transparency, it needs a background.
 
         Raises
         ------
+        ValueError
+            A size that is none, or too small for so many panels; no colour.
         ImportError
             matplotlib or Pillow is missing; the message says what to install.
         """
-        with needed_for("a still picture"):
-            from matplotlib.backends.backend_agg import FigureCanvasAgg
-            from matplotlib.cm import ScalarMappable
-            from matplotlib.colors import Normalize
-            from matplotlib.figure import Figure
-            from PIL import Image
-
-        count, scale = len(self.panels), self.scale
-        width, height = (check_count(pixels, "size", 1) for pixels in size)
-        figure = Figure(figsize=(width / 100, height / 100), dpi=100, layout="constrained")
-        axes = figure.subplots(1, count, squeeze=False)[0]
-        cell = (max(width // count, 1), max(round(0.9 * height), 1))
-        for ax, panel, title in zip(axes, self.panels, self.titles, strict=True):
-            ax.imshow(self._pixels(panel, cell, scale), interpolation="antialiased")
-            ax.set_title(title, fontsize=10)
-            ax.axis("off")
-        if scale is not None:
-            bar = ScalarMappable(Normalize(scale.low, scale.high), scale.colormap)
-            figure.colorbar(bar, ax=list(axes), label=self.label, shrink=0.8)
-        canvas = FigureCanvasAgg(figure)
-        canvas.draw()
-        return Image.fromarray(np.array(canvas.buffer_rgba())).convert("RGB")
-
-    def _pixels(self, panel: Panel, size: tuple[int, int], scale: Scale | None) -> Pixels:
-        return render(
-            panel.V,
-            panel.F,
-            self.camera,
-            size=size,
-            values=panel.values,
-            limits=None if scale is None else (scale.low, scale.high),
-            cmap=self.cmap,
-            smooth=panel.smooth,
-            edges=panel.edges,
-        )
+        return still(self, size, background)
 
     def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         """The live view, and a still of it for readers without a kernel."""
         return with_still(self.widget, self)
-
-
-def _is_list(given: Any, ndim: int) -> bool:
-    """Whether something is a list with one entry, of ``ndim`` dimensions or None, a panel."""
-    return isinstance(given, (list, tuple)) and any(
-        entry is not None and np.ndim(entry) == ndim for entry in given
-    )
-
-
-def _count(V: Any) -> int:
-    """The number of panels that some positions are for."""
-    return len(V) if _is_list(V, 2) else 1
-
-
-def _each(given: Any, ndim: int, count: int, name: str) -> list[Any]:
-    """One entry for each panel: those of a list, or the same for all."""
-    entries = list(given) if _is_list(given, ndim) else [given] * count
-    if len(entries) != count:
-        raise ValueError(f"{name} has {len(entries)} entries; give one for each of {count} panels")
-    return entries
 
 
 def with_still(widget: Any, view: View) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -369,14 +359,7 @@ def with_still(widget: Any, view: View) -> tuple[dict[str, Any], dict[str, Any]]
     return data | {"image/png": png.getvalue()}, metadata
 
 
-def _backend(name: str | None, view: View) -> Backend:
-    """What draws a view in the page; its libraries are loaded here."""
-    name = name or ("polyscope" if has_egl() else "k3d")
-    check_choice(name, "backend", ("polyscope", "k3d"))
-    if name == "polyscope":
-        with needed_for("a live view"):
-            from meshfair.viewer.frames import Frames
-        return Frames(view)
-    with needed_for("a live view without EGL"):
-        from meshfair.viewer.in_page import InPage
-    return InPage(view)
+def _coloring(label: Any, limits: Any, cmap: Any) -> tuple[str, tuple[float, float] | None, str]:
+    """What the colours show, checked: refused here, not in the thread that draws."""
+    limits = None if limits is None else check_range(limits, "limits")
+    return check_text(label, "label"), limits, check_choice(cmap, "cmap", CMAPS)

@@ -1,0 +1,73 @@
+"""The view's arguments that are for one panel or for each."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from meshfair.checks import MeshError, check_text
+
+
+def count_panels(V: Any) -> int:
+    """The number of panels that some positions are for."""
+    return len(V) if _is_list(V, 2) else 1
+
+
+def each(given: Any, ndim: int, count: int, name: str) -> list[Any]:
+    """One entry for each panel: those of a list, or the same for all.
+
+    Parameters
+    ----------
+    given : object
+    ndim : int
+        Dimensions of what is for one panel.
+    count : int
+        Number of panels.
+    name : str
+        What the message calls it.
+
+    Returns
+    -------
+    list
+
+    Raises
+    ------
+    ValueError
+        Another number of entries.
+    """
+    if not _is_list(given, ndim):
+        return [given] * count
+    return _counted(list(given), count, name)
+
+
+def each_title(given: Any, count: int) -> list[str]:
+    """A title for each panel: a text for all, or one or None for each; empty by default."""
+    if given is None or isinstance(given, str):
+        return [given or ""] * count
+    if not isinstance(given, (list, tuple, np.ndarray)):
+        raise ValueError(f"titles is {given!r}; give a text, or a list of one for each panel")
+    titles = _counted(list(given), count, "titles")
+    return ["" if title is None else check_text(title, "a title") for title in titles]
+
+
+def _counted(entries: list[Any], count: int, name: str) -> list[Any]:
+    if len(entries) != count:
+        raise ValueError(f"{name} has {len(entries)} entries; give one for each of {count} panels")
+    return entries
+
+
+def _is_list(given: Any, ndim: int) -> bool:
+    """Whether something has one entry, of ``ndim`` dimensions or None, a panel."""
+    if isinstance(given, np.ndarray) and given.dtype != object:
+        return given.ndim == ndim + 1
+    if not isinstance(given, (list, tuple, np.ndarray)):
+        return False
+    return all(entry is None or _ndim(entry) == ndim for entry in given) and len(given) > 0
+
+
+def _ndim(entry: Any) -> int:
+    try:
+        return np.ndim(entry)
+    except ValueError:
+        raise MeshError("an array has rows of different lengths; give rows of three") from None
