@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 from meshfair import denoising, noise
 from meshfair.checks import Floats, check_mesh
 from meshfair.explorers import worker
-from meshfair.explorers.curves import CurvePlot
 from meshfair.explorers.controls import choice, size_slider
+from meshfair.explorers.curves import CurvePlot
 from meshfair.explorers.explorer import Explorer, Settings
 from meshfair.explorers.framing import Frame
 from meshfair.metrics import Measure, compare

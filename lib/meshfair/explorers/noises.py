@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike
 
 from meshfair import metrics, noise
 from meshfair.checks import Floats, check_mesh
-from meshfair.explorers.curves import CurvePlot
 from meshfair.explorers.controls import NOISES, PLAIN, color_choice, noise_choice, slider
+from meshfair.explorers.curves import CurvePlot
 from meshfair.explorers.explorer import Explorer, Settings
 from meshfair.explorers.worker import Job
 from meshfair.mesh import mean_edge_length

@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from meshfair import spectrum
 from meshfair.checks import Floats
-from meshfair.explorers.curves import CurvePlot
 from meshfair.explorers.controls import tau_slider, weights_choice
+from meshfair.explorers.curves import CurvePlot
 from meshfair.explorers.explorer import Settings
 from meshfair.explorers.flows import FlowExplorer
 from meshfair.explorers.runs import Start

@@ -148,6 +148,11 @@ class Scale:
             from matplotlib.colors import to_hex
         return [to_hex(self.colormap(k / 16)) for k in range(17)]
 
+    def ends(self) -> tuple[str, str]:
+        """What stands at the two ends: "0", "≥ 1.2"."""
+        low, high = _written(self.low), _written(self.high)
+        return f"≤ {low}" if self.below else low, f"≥ {high}" if self.above else high
+
 
 def colors(panel: Panel, scale: Scale | None) -> Floats:
     """A colour for each of a panel's values, grey where it is no number; shape (k, 3)."""
@@ -157,11 +162,6 @@ def colors(panel: Panel, scale: Scale | None) -> Floats:
     mapped = scale.colormap(scale.parts(panel.values))[:, :3]
     mapped[~panel.known] = NONE
     return mapped
-
-    def ends(self) -> tuple[str, str]:
-        """What stands at the two ends: "0", "≥ 1.2"."""
-        low, high = _written(self.low), _written(self.high)
-        return f"≤ {low}" if self.below else low, f"≥ {high}" if self.above else high
 
 
 def _ends(least: float, most: float) -> tuple[float, float]:

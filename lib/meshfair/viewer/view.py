@@ -314,9 +314,7 @@ class View:
             self._changed.update(panels)
             self._moved = self._moved or moved
 
-    def still(
-        self, size: tuple[int, int] = STILL, *, background: str | None = None
-    ) -> Image:
+    def still(self, size: tuple[int, int] = STILL, *, background: str | None = None) -> Image:
         """Draw what the view shows now into a picture, with titles and colour bar.
 
         Where the camera has not been moved, the meshes fill a picture of any shape;
