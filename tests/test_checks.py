@@ -9,7 +9,7 @@ import pytest
 from scipy.sparse import coo_array, csr_array, eye_array
 
 import meshfair
-from meshfair import MeshError, flow, operators, shapes, viewer, weights
+from meshfair import MeshError, denoise, filters, flow, noise, operators, shapes, viewer, weights
 from meshfair.checks import (
     check_choice,
     check_count,
@@ -353,3 +353,23 @@ def test_ranges_and_directions():
     for bad in ((0, 0, 0), (1, 2), (1, np.nan, 0), (np.inf, 0, 0), "up", None, [[1, 0, 0]]):
         with pytest.raises(ValueError, match=r"up is .*; give three numbers"):
             check_direction(bad, "up")
+
+
+def test_warnings_name_the_line_that_called_the_package():
+    V, F = shapes.icosphere(1)
+    soup = V[F].reshape(-1, 3), np.arange(F.size).reshape(-1, 3)
+    rng = np.random.default_rng(1)
+    A = operators.averaging(weights.combinatorial(F, len(V)))
+    calls = (
+        lambda: noise.along_normals(*soup, 0.1, rng),
+        lambda: noise.add(*soup, "normals", rng, size=0.1),
+        lambda: denoise(*soup),
+        lambda: list(filters.sun(*soup)),
+        lambda: weights.cotangent(V, [[0, 1, 1], *F]),
+        lambda: list(flow.heat(V, A, 1.5, 3)),
+        lambda: list(filters.heat(V, F, tau=1.5, time=3)),
+    )
+    for call in calls:
+        with pytest.warns() as caught:
+            call()
+        assert {warning.filename for warning in caught} == {__file__}

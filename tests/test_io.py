@@ -206,15 +206,13 @@ def test_cutting_polygons_is_reported(tmp_path):
 def test_stl_is_not_merged_unless_asked_for_and_both_are_reported(tmp_path, caplog):
     path = tmp_path / "pyramid.stl"
     path.write_bytes(mesh_files.SOUND["binary.stl"])
-    with pytest.warns(
-        MeshWarning, match=r"pyramid\.stl: .* 6 triangles .* weld_stl=True"
-    ) as record:
+    with pytest.warns(MeshWarning, match=r"pyramid\.stl: .* 6 triangles .* weld=True") as record:
         V, F = io.read(path)
     assert record[0].filename == __file__
     assert V.shape == (18, 3)
     assert same(F, np.arange(18).reshape(6, 3))
     with caplog.at_level(logging.INFO, "meshfair.io"):
-        V, F = io.read(path, weld_stl=True)
+        V, F = io.read(path, weld=True)
     assert "merged 18 vertices into 5" in caplog.text
     # In the order of the file: the corners of the first face come first.
     assert same(V[:3], mesh_files.V[[0, 3, 2]])
@@ -225,9 +223,9 @@ def test_welding_is_exact_and_leaves_other_formats_alone(tmp_path):
     V = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [-0.0, 0, 0], [1, 1e-45, 0], [0, 1, 0]])
     F = np.array([[0, 1, 2], [3, 4, 5]])
     io.write(tmp_path / "a.stl", V, F)
-    assert same(io.read(tmp_path / "a.stl", weld_stl=True)[1], np.array([[0, 1, 2], [0, 3, 2]]))
+    assert same(io.read(tmp_path / "a.stl", weld=True)[1], np.array([[0, 1, 2], [0, 3, 2]]))
     io.write(tmp_path / "a.obj", V, F)
-    assert same(io.read(tmp_path / "a.obj", weld_stl=True)[0], V)
+    assert same(io.read(tmp_path / "a.obj", weld=True)[0], V)
 
 
 # ---- The fast code against the slow and obvious

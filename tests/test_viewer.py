@@ -751,7 +751,7 @@ def test_a_frame_has_the_colour_bar_of_its_values(torus):
 
 def test_k3d_shows_the_same_meshes_where_there_is_no_egl(torus, monkeypatch):
     V, F = torus
-    monkeypatch.setattr(viewer.backend, "has_egl", lambda: False)
+    monkeypatch.setattr(viewer.live, "has_egl", lambda: False)
     view = View([V, V], F, titles=["<a>", "b"], values=[None, V[:, 0]])
     first, second = view._backend._meshes
     centre, size = view._placement.centre, view._placement.size

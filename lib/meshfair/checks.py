@@ -9,9 +9,12 @@ Conventions of the whole package:
 
 from __future__ import annotations
 
+import sys
+import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from numbers import Integral
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -25,6 +28,7 @@ Integers = NDArray[np.int64]
 Booleans = NDArray[np.bool_]
 Choice = TypeVar("Choice")
 
+PACKAGE = str(Path(__file__).parent)
 # Products of four coordinates (areas squared) must stay finite in float64.
 LARGEST_COORDINATE = 1e75
 # A triangle is degenerate when its height over its longest edge is this small
@@ -42,6 +46,7 @@ EXTRAS = {
     "viewer": {"PIL", "matplotlib", "polyscope", "polyscope_bindings"},
     "notebooks": {"anywidget", "ipywidgets", "k3d", "traitlets"},
     "data": {"pooch"},
+    "formats": {"collada", "lxml", "mapbox_earcut", "meshio", "networkx", "trimesh"},
     "experiments": {"pandas", "tqdm"},
     "grading": {"jinja2", "jupytext", "markupsafe", "nbformat"},
 }
@@ -58,6 +63,20 @@ class MeshWarning(UserWarning):
 
 class StabilityWarning(UserWarning):
     """A time step past the bound up to which the flow is stable."""
+
+
+def warn(message: str, category: type[Warning] = MeshWarning) -> None:
+    """Warn, and name the line that called the package, whatever lies between.
+
+    Parameters
+    ----------
+    message : str
+    category : type of Warning
+    """
+    level, frame = 1, sys._getframe(0)
+    while frame.f_back and frame.f_code.co_filename.startswith(PACKAGE):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(message, category, stacklevel=level)
 
 
 class NotInstalledError(ModuleNotFoundError):

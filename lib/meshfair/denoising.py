@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import wraps
@@ -18,13 +17,13 @@ from meshfair import filters
 from meshfair.checks import (
     Floats,
     Integers,
-    MeshWarning,
     check_choice,
     check_mesh,
     check_number,
     check_same_vertices,
     did_you_mean,
     needed_for,
+    warn,
 )
 from meshfair.filters.feature_convinced import fill_in, noise_by_lengths
 from meshfair.filters.preparation import Prepared
@@ -549,11 +548,9 @@ def _warn_of_failed(failed: list[tuple[Parameters, Exception]], count: int) -> N
     """Say which candidates were left out, and why the first one was."""
     parameters, error = failed[0]
     first = ", ".join(f"{k}={v}" for k, v in parameters.items() if k != "fixed")
-    warnings.warn(
+    warn(
         f"{len(failed)} of {count} candidates were left out, since they cannot be solved (the "
-        f"first: {first}: {error})",
-        MeshWarning,
-        stacklevel=4,
+        f"first: {first}: {error})"
     )
 
 

@@ -6,7 +6,6 @@ a mesh in metres and on one in millimetres. Copies of a vertex along a seam (see
 `meshfair.mesh.join`) move as one.
 """
 
-import warnings
 from collections.abc import Callable
 
 import numpy as np
@@ -16,13 +15,13 @@ from meshfair.checks import (
     Floats,
     Integers,
     MeshError,
-    MeshWarning,
     check_choice,
     check_mesh,
     check_number,
     check_rng,
     check_same_vertices,
     check_vertices,
+    warn,
 )
 from meshfair.mesh import mean_edge_length, vertex_normals
 from meshfair.mesh.joining import on_joined
@@ -68,12 +67,10 @@ def _warn_of_cancelled(normals: Floats, F: Integers) -> None:
     """Warn of vertices that have faces and no normal."""
     cancelled = np.setdiff1d(F, np.flatnonzero(normals.any(axis=1)))
     if len(cancelled):
-        warnings.warn(
+        warn(
             f"the faces' normals cancel at {len(cancelled):,} vertices (the first is "
             f"{cancelled[0]}), which noise leaves where they are; mesh.inspect says why, such as "
-            "faces that are turned against each other",
-            MeshWarning,
-            stacklevel=4,
+            "faces that are turned against each other"
         )
 
 

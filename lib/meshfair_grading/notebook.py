@@ -1,10 +1,12 @@
-"""What an assignment's notebook needs: pictures of the student's own result, and patience.
+"""What a notebook needs: pictures of the student's own result, patience, and checks.
 
 ``%load_ext meshfair_grading.notebook`` makes a cell that meets a function which
-is not done yet end with one line instead of a traceback.
+is not done yet end with one line instead of a traceback. `practise` lends the checks of an
+assignment to a notebook of the course.
 """
 
 import io
+import runpy
 import traceback
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -15,6 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from meshfair.viewer import Camera, render
+from meshfair_grading.assignment import Assignment
+from meshfair_grading.generate import ASSIGNMENTS
 
 SIZE = (480, 400)  # pixels of each picture
 
@@ -85,6 +89,35 @@ def show(
     file = io.BytesIO()
     figure.savefig(file, format="png", dpi=110)
     return Picture(file.getvalue())
+
+
+def practise(assignment: str) -> Assignment:
+    """The checks of an assignment, for functions that are written in the notebook itself.
+
+    Parameters
+    ----------
+    assignment : str
+        Its name, such as ``"a2"``.
+
+    Returns
+    -------
+    Assignment
+        ``check = practise("a2")``, and then ``check("distance_weights")``.
+
+    Raises
+    ------
+    FileNotFoundError
+        This installation came without the assignments.
+    """
+    path = ASSIGNMENTS / "student" / assignment / f"{assignment}_checks.py"
+    if not path.is_file():
+        raise FileNotFoundError(
+            f"the checks of {assignment} are in notebooks/assignments of the repository, and this "
+            "installation came without; open the notebook in a clone"
+        )
+    check: Assignment = runpy.run_path(str(path))["check"]
+    check.module = "__main__"
+    return check
 
 
 def load_ipython_extension(shell: Any) -> None:

@@ -85,7 +85,8 @@ def reduction(
     rows = []
     for cell in cells:
         V_small, F_small = cluster(V, F, cell)
-        noisy = along_normals(V_small, F_small, size, np.random.default_rng(seed))
+        # (The two faces of a duplicate are often turned against each other: no normal between.)
+        noisy = along_normals(V_small, unique_faces(F_small), size, np.random.default_rng(seed))
         dropped = repair(noisy, F_small, duplicates=True)
         split = repair(noisy, F_small, duplicates=True, split=True)
         right = cotangent(dropped.V, dropped.F)

@@ -17,6 +17,7 @@ with needed_for("an explorer"):
     from meshfair.explorers.jet import JetExplorer
     from meshfair.explorers.noises import NoiseExplorer
     from meshfair.explorers.own_mesh import DenoisingExplorer
+    from meshfair.explorers.prediction import Prediction
     from meshfair.explorers.stability import StabilityExplorer
 
 __all__ = [
@@ -29,5 +30,6 @@ __all__ = [
     "HeatExplorer",
     "JetExplorer",
     "NoiseExplorer",
+    "Prediction",
     "StabilityExplorer",
 ]

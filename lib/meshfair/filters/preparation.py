@@ -5,7 +5,6 @@ turned against each other are turned to agree. A filter is written for a mesh th
 neither, and `prepared` makes it take any.
 """
 
-import warnings
 from collections.abc import Callable, Iterator
 from functools import wraps
 from typing import Any
@@ -13,7 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meshfair.checks import Booleans, Floats, Integers, MeshWarning, check_mesh
+from meshfair.checks import (
+    Booleans,
+    Floats,
+    Integers,
+    check_mesh,
+    warn,
+)
 from meshfair.mesh import join, repair
 from meshfair.mesh.elements import Edges
 from meshfair.mesh.joining import warn_of_copies
@@ -125,5 +130,5 @@ def _turned(V: Floats, F: Integers) -> Integers:
     if shared:
         told.append(f"normals mix where more than two faces meet, at {shared:,} edges")
     if told:
-        warnings.warn(f"{'; '.join(told)} (see mesh.inspect)", MeshWarning, stacklevel=4)
+        warn(f"{'; '.join(told)} (see mesh.inspect)")
     return F_turned

@@ -1,6 +1,5 @@
 """The elements of a triangle mesh: one structure of its edges, one measure of its triangles."""
 
-import warnings
 from functools import cached_property
 from typing import Any, Self
 
@@ -17,9 +16,9 @@ from meshfair.checks import (
     Floats,
     Integers,
     MeshError,
-    MeshWarning,
     check_faces,
     check_mesh,
+    warn,
 )
 from meshfair.mesh.duplicates import unique_faces
 
@@ -296,11 +295,9 @@ def warn_of_degenerate_faces(V: Floats, F: Integers, effect: str) -> None:
     """
     degenerate = Triangles(V, F).degenerate
     if degenerate.any():
-        warnings.warn(
+        warn(
             f"{degenerate.sum()} of {len(F)} faces are degenerate (the first has vertices "
-            f"{F[degenerate][0].tolist()}); they {effect}",
-            MeshWarning,
-            stacklevel=3,
+            f"{F[degenerate][0].tolist()}); they {effect}"
         )
 
 

@@ -6,7 +6,6 @@ neighbours tears such a surface apart; so the copies are joined before the work,
 and all of them get what it made of the one.
 """
 
-import warnings
 from collections.abc import Callable
 from functools import wraps
 from typing import Concatenate, NamedTuple, ParamSpec
@@ -14,7 +13,14 @@ from typing import Concatenate, NamedTuple, ParamSpec
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meshfair.checks import Booleans, Floats, Integers, MeshWarning, check_fixed, check_mesh
+from meshfair.checks import (
+    Booleans,
+    Floats,
+    Integers,
+    check_fixed,
+    check_mesh,
+    warn,
+)
 from meshfair.mesh.duplicates import first_equal
 from meshfair.mesh.elements import Edges
 from meshfair.mesh.topology import connected_components
@@ -110,11 +116,9 @@ def warn_of_copies(joined: Joined) -> None:
     """
     if len(joined.V) < len(joined.copies):
         n, count = len(joined.copies), len(joined.copies) - len(joined.V)
-        warnings.warn(
+        warn(
             f"{count:,} of {n:,} vertices are copies of others, along seams or in a soup of "
-            "triangles; copies are moved as one, and stay together",
-            MeshWarning,
-            stacklevel=3,
+            "triangles; copies are moved as one, and stay together"
         )
 
 

@@ -11,12 +11,13 @@ from meshfair.metrics.matching import matched
 from meshfair.metrics.measure import Measure
 from meshfair.metrics.rowwise import normal_angle, normal_angles, snr, snr_of_distances
 from meshfair.metrics.sizes import area_change, volume_change
-from meshfair.metrics.surfaces import hausdorff, surface_distance, vertex_distance
+from meshfair.metrics.surfaces import distances, hausdorff, surface_distance, vertex_distance
 
 __all__ = [
     "Measure",
     "area_change",
     "compare",
+    "distances",
     "hausdorff",
     "matched",
     "normal_angle",

@@ -1,4 +1,4 @@
-"""The view's arguments that are for one panel or for each."""
+"""The view's arguments: what is for one panel or for each, and what the colours show."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from meshfair.checks import MeshError, check_text
+from meshfair.checks import MeshError, check_choice, check_range, check_text
+from meshfair.viewer.panel import CMAPS
 
 
 def count_panels(V: Any) -> int:
@@ -49,6 +50,12 @@ def each_title(given: Any, count: int) -> list[str]:
         raise ValueError(f"titles is {given!r}; give a text, or a list of one for each panel")
     titles = _counted(list(given), count, "titles")
     return ["" if title is None else check_text(title, "a title") for title in titles]
+
+
+def coloring(label: Any, limits: Any, cmap: Any) -> tuple[str, tuple[float, float] | None, str]:
+    """What the colours show, checked: refused here, not in the thread that draws."""
+    limits = None if limits is None else check_range(limits, "limits")
+    return check_text(label, "label"), limits, check_choice(cmap, "cmap", CMAPS)
 
 
 def _counted(entries: list[Any], count: int, name: str) -> list[Any]:

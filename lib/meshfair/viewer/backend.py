@@ -10,9 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, Protocol
 
-from meshfair.checks import Floats, check_choice, needed_for
+from meshfair.checks import Floats
 from meshfair.viewer.camera import Camera
-from meshfair.viewer.egl import has_egl
 from meshfair.viewer.panel import Panel, Scale
 
 
@@ -55,17 +54,3 @@ class Shown(Protocol):
 
     def reset(self) -> None:
         """The page asks for the first camera again."""
-
-
-def made(name: str | None, view: Shown) -> Backend:
-    """What draws a view in the page, by name; its libraries are loaded here."""
-    if name is None:
-        name = "polyscope" if has_egl() else "k3d"
-    name = check_choice(name, "backend", ("polyscope", "k3d"))
-    if name == "polyscope":
-        with needed_for("a live view"):
-            from meshfair.viewer.frames import Frames
-        return Frames(view)
-    with needed_for("a live view without EGL"):
-        from meshfair.viewer.in_page import InPage
-    return InPage(view)

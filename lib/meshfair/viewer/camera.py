@@ -103,7 +103,7 @@ class Camera:
         V = check_vertices(V)
         back, upright = check_direction(direction, "direction"), check_direction(up, "up")
         if _parallel(upright, back):
-            upright = min(AXES, key=lambda axis: round(abs(back @ axis), 6))
+            upright = min(AXES, key=lambda axis: round(abs(float(back @ axis)), 6))
         right = np.cross(upright, back)
         aspect = check_number(aspect, "aspect", 0, open_low=True)
         margin = check_number(margin, "margin", 0, 0.9)

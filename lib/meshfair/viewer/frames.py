@@ -23,7 +23,7 @@ from PIL import Image
 from meshfair.viewer import offscreen
 from meshfair.viewer.backend import Shown
 from meshfair.viewer.offscreen import Pixels
-from meshfair.viewer.panel import Scale
+from meshfair.viewer.page import bar
 
 DRAFT, GOOD = 1, 2  # supersampling
 LOST = 5.0  # seconds after which a frame that was not confirmed is given up: its page is gone
@@ -146,12 +146,6 @@ class Frames:
             "bar": scale and bar(scale, view.label),
         }
         self.widget.send(frame, pictures)
-
-
-def bar(scale: Scale, label: str) -> dict[str, Any]:
-    """What the page needs to draw the colour bar."""
-    low, high = scale.ends()
-    return {"label": label, "low": low, "high": high, "stops": scale.stops()}
 
 
 def encode(pixels: Pixels, quality: int) -> bytes:

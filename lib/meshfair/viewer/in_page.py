@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.colors import to_hex
 
 from meshfair.viewer.backend import Shown
-from meshfair.viewer.camera import FIELD_OF_VIEW
+from meshfair.viewer.camera import FIELD_OF_VIEW, Camera
 from meshfair.viewer.panel import NONE, SURFACE, Panel, Scale
 
 HEIGHT = 300  # CSS pixels, as in frames.css
@@ -29,19 +29,7 @@ class InPage:
     def __init__(self, view: Shown) -> None:
         self._view = view
         self._titles = [ipywidgets.HTML() for _ in view.placed]
-        self._plots = [
-            k3d.plot(
-                height=HEIGHT,
-                grid_visible=False,
-                background_color=-1,  # the page's own, in both themes
-                menu_visibility=False,
-                camera_auto_fit=False,
-                camera_fov=FIELD_OF_VIEW,
-                axes_helper=0,
-                colorbar_object_id=0,  # k3d's own bar would lie on the mesh
-            )
-            for _ in view.placed
-        ]
+        self._plots = [plot() for _ in view.placed]
         self._meshes: list[Any] = [None] * len(view.placed)
         for other in self._plots[1:]:
             ipywidgets.jslink((self._plots[0], "camera"), (other, "camera"))
@@ -65,33 +53,55 @@ class InPage:
         for k in panels:
             panel = self._view.placed[k]
             self._titles[k].value = html.escape(self._view.titles[k])
-            options = _values(panel, scale)
             mesh = self._meshes[k]
             if mesh is not None and len(mesh.vertices) == len(panel.V):
                 mesh.vertices = panel.V.astype(np.float32)
                 if not np.array_equal(mesh.indices, panel.F):
                     mesh.indices = panel.F.astype(np.uint32)
-                for name, value in options.items():
+                for name, value in _values(panel, scale).items():
                     setattr(mesh, name, value)
                 continue
             if mesh is not None:
                 self._plots[k] -= mesh
-            self._meshes[k] = k3d.mesh(
-                panel.V.astype(np.float32),
-                panel.F.astype(np.uint32),
-                flat_shading=not panel.smooth,
-                side="double",
-                **options,
-            )
+            self._meshes[k] = drawn(panel, scale)
             self._plots[k] += self._meshes[k]
 
     def camera_moved(self, panels: Iterable[int] = ()) -> None:
         """Point the plots' camera as the view's, and show some panels of now."""
         self.refresh(panels)
-        camera = self._view.placed_camera
-        place = [*camera.position, *camera.target, *camera.up]
+        place = pose(self._view.placed_camera)
         for plot in self._plots:
-            plot.camera = [float(x) for x in place]
+            plot.camera = place
+
+
+def plot() -> Any:
+    """An empty k3d plot."""
+    return k3d.plot(
+        height=HEIGHT,
+        grid_visible=False,
+        background_color=-1,  # the page's own, in both themes
+        menu_visibility=False,
+        camera_auto_fit=False,
+        camera_fov=FIELD_OF_VIEW,
+        axes_helper=0,
+        colorbar_object_id=0,  # k3d's own bar would lie on the mesh
+    )
+
+
+def drawn(panel: Panel, scale: Scale | None) -> Any:
+    """A panel, placed, as a k3d mesh."""
+    return k3d.mesh(
+        panel.V.astype(np.float32),
+        panel.F.astype(np.uint32),
+        flat_shading=not panel.smooth,
+        side="double",
+        **_values(panel, scale),
+    )
+
+
+def pose(camera: Camera) -> list[float]:
+    """A camera, placed, as k3d has it."""
+    return [*camera.position, *camera.target, *camera.up]
 
 
 def _values(panel: Panel, scale: Scale | None) -> dict[str, Any]:

@@ -5,34 +5,18 @@ from __future__ import annotations
 import contextlib
 import io
 from collections.abc import Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from meshfair.checks import (
-    check_choice,
-    check_direction,
-    check_flag,
-    check_mesh,
-    check_number,
-    check_range,
-    check_text,
-    check_values,
-    check_vertices,
-)
-from meshfair.viewer.arguments import count_panels, each, each_title
-from meshfair.viewer.backend import Backend, made
-from meshfair.viewer.camera import Camera
-from meshfair.viewer.panel import CMAPS, Panel, Scale
-from meshfair.viewer.placement import Placement
-from meshfair.viewer.stills import STILL, still
-
-if TYPE_CHECKING:
-    from PIL.Image import Image
+from meshfair.checks import check_choice, check_number, check_text, check_vertices
+from meshfair.viewer.arguments import coloring
+from meshfair.viewer.backend import Backend
+from meshfair.viewer.live import made
+from meshfair.viewer.side_by_side import SideBySide
 
 
-class View:
+class View(SideBySide):
     """Meshes that can be turned: drag to turn, shift-drag to move, wheel to zoom, R to reset.
 
     Drawn by polyscope on the machine where Python runs, each frame sent to
@@ -97,56 +81,27 @@ class View:
         up: ArrayLike = (0, 0, 1),
         backend: str | None = None,
     ) -> None:
-        count = count_panels(V)
-        self._smooth, self._edges = check_flag(smooth, "smooth"), check_flag(edges, "edges")
-        self.panels = [
-            self._panel(*mesh)
-            for mesh in zip(
-                each(V, 2, count, "V"),
-                each(F, 2, count, "F"),
-                each(values, 1, count, "values"),
-                strict=True,
-            )
-        ]
-        self.titles = each_title(titles, count)
-        self.label, self.limits, self.cmap = _coloring(label, limits, cmap)
-        self.up = check_direction(up, "up")
-        self.direction = check_direction(direction, "direction")
-        # What the reset button shows, whatever the panels hold by then: set by look_at.
-        drawn = [panel.V[panel.used] for panel in self.panels]
-        self._home = np.concatenate(drawn), self.direction
-        self._place()
+        super().__init__(
+            V,
+            F,
+            titles=titles,
+            values=values,
+            label=label,
+            limits=limits,
+            cmap=cmap,
+            smooth=smooth,
+            edges=edges,
+            direction=direction,
+            up=up,
+        )
         self._changed: set[int] | None = None  # panels changed inside `together`
         self._moved = False  # the camera was, there
-        self.aspect = STILL[0] / STILL[1] / count
-        self.camera = self._camera_home()
         self._backend: Backend = made(backend, self)
-
-    def _panel(self, V: ArrayLike, F: ArrayLike, values: ArrayLike | None) -> Panel:
-        V, F = check_mesh(V, F)
-        numbers = None if values is None else check_values(values, len(V), len(F), finite=False)
-        # A copy, to which nobody else writes.
-        return Panel(V.copy(), F, numbers, self._smooth, self._edges)
-
-    def _place(self) -> None:
-        """Place all panels anew, for what draws them."""
-        self._placement = Placement.of(self.panels)
-        self.placed = [self._placement.panel(panel) for panel in self.panels]
-
-    @property
-    def placed_camera(self) -> Camera:
-        """The camera that sees the placed panels."""
-        return self._placement.camera(self.camera)
 
     @property
     def widget(self) -> Any:
         """The ipywidget, to put into a layout of one's own."""
         return self._backend.widget
-
-    @property
-    def scale(self) -> Scale | None:
-        """How the panels' values become colours now: a `Scale`, None without values."""
-        return Scale.of(self.panels, self.limits, self.cmap)
 
     def update(
         self,
@@ -222,29 +177,10 @@ class View:
         ValueError
             A label that is no text, ``limits`` that are no range, or an unknown ``cmap``.
         """
-        bar = _coloring(label, limits, self.cmap if cmap is None else cmap)
+        bar = coloring(label, limits, self.cmap if cmap is None else cmap)
         if bar != (self.label, self.limits, self.cmap):
             self.label, self.limits, self.cmap = bar
             self._refresh(range(len(self.panels)))
-
-    def look_at(self, V: ArrayLike, direction: ArrayLike | None = None) -> None:
-        """Point the camera, and the reset button, at some points.
-
-        Parameters
-        ----------
-        V : array_like, shape (k, 3)
-            What should fill the picture, such as a part's vertices.
-        direction : three floats, optional
-            From there towards the camera; the view's own by default.
-
-        Raises
-        ------
-        MeshError, ValueError
-            No points, or no direction.
-        """
-        towards = self.direction if direction is None else check_direction(direction, "direction")
-        self._home = (check_vertices(V).copy(), towards)
-        self.reset()
 
     def refit(self, V: ArrayLike) -> None:
         """Point the reset button at other points, and the camera with it.
@@ -272,7 +208,7 @@ class View:
 
     def reset(self) -> None:
         """Go back to the camera of the beginning, or of the last `look_at` or `refit`."""
-        self.camera = self._camera_home()
+        super().reset()
         self._refresh([], moved=True)
 
     def fit(self, aspect: float) -> None:
@@ -282,29 +218,6 @@ class View:
         if untouched:
             self.camera = self._camera_home()
 
-    def _camera_home(self, aspect: float | None = None) -> Camera:
-        V, direction = self._home
-        return Camera.around(V, direction, self.up, aspect=aspect or self.aspect)
-
-    def camera_for(self, aspect: float) -> Camera:
-        """The camera for a picture of another shape, in which nothing is cut.
-
-        Parameters
-        ----------
-        aspect : float
-            Width over height of the picture of one panel.
-
-        Returns
-        -------
-        Camera
-            From nobody's hand: the one that fits the shape. Else the view's own, moved
-            back as far as a narrower picture needs.
-        """
-        aspect = check_number(aspect, "aspect", 0, open_low=True)
-        if self.camera == self._camera_home():
-            return self._camera_home(aspect)
-        return self.camera.zoom(max(1.0, self.aspect / aspect))
-
     def _refresh(self, panels: Iterable[int], moved: bool = False) -> None:
         """Draw some panels again, and all of them where the camera has moved."""
         if self._changed is None:
@@ -313,35 +226,6 @@ class View:
         else:
             self._changed.update(panels)
             self._moved = self._moved or moved
-
-    def still(self, size: tuple[int, int] = STILL, *, background: str | None = None) -> Image:
-        """Draw what the view shows now into a picture, with titles and colour bar.
-
-        Where the camera has not been moved, the meshes fill a picture of any shape;
-        else it shows at least what the view does.
-
-        Parameters
-        ----------
-        size : (int, int)
-            Width and height in pixels, all panels together; 64 to 8192 each.
-        background : str, optional
-            A colour, as matplotlib names it; without it the picture is transparent, and
-            its letters can be read on light and on dark pages.
-
-        Returns
-        -------
-        PIL.Image.Image
-            A notebook shows it; ``.save("knot.png")`` writes it. For JPEG, which knows no
-            transparency, it needs a background.
-
-        Raises
-        ------
-        ValueError
-            A size that is none, or too small for so many panels; no colour.
-        ImportError
-            matplotlib or Pillow is missing; the message says what to install.
-        """
-        return still(self, size, background)
 
     def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         """The live view, and a still of it for readers without a kernel."""
@@ -355,9 +239,3 @@ def with_still(widget: Any, view: View) -> tuple[dict[str, Any], dict[str, Any]]
     png = io.BytesIO()
     view.still().save(png, "PNG")
     return data | {"image/png": png.getvalue()}, metadata
-
-
-def _coloring(label: Any, limits: Any, cmap: Any) -> tuple[str, tuple[float, float] | None, str]:
-    """What the colours show, checked: refused here, not in the thread that draws."""
-    limits = None if limits is None else check_range(limits, "limits")
-    return check_text(label, "label"), limits, check_choice(cmap, "cmap", CMAPS)
