@@ -93,8 +93,7 @@ class Coloring(NamedTuple):
         From 0 to the 98th percentile of that mesh in which it is largest, or, with a sign,
         as far on both sides of 0; so that a few extreme values do not hide the rest.
         """
-        high = max(self.least, *(float(np.percentile(np.abs(x), 98)) for x in values))
-        high = round_up(high)
+        high = round_up(max(self.least, *(limits(np.abs(x))[1] for x in values)))
         return (-high if self.signed else 0.0), high
 
 
@@ -109,6 +108,12 @@ COLORINGS = {
     "normal angle": Coloring("normal angle (degrees)", normal_angle, 1.0),
     "curvature": Coloring("mean curvature (1 / mean edge)", curvature, 0.01),
 }
+
+
+def limits(values: Floats) -> tuple[float, float]:
+    """Ends of a colour bar on which a few extreme values do not hide the rest."""
+    return 0.0, float(np.percentile(values, 98))
+
 
 ROUND = (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10)
 

@@ -120,7 +120,8 @@ class Scale:
         least, most = (float(min(x.min() for x in given)), float(max(x.max() for x in given)))
         low, high = limits or _ends(least, most)
         # A scale of no length divides by zero in every renderer.
-        high = max(high, low + 1e-9 * max(1.0, abs(low)))
+        if high <= low:
+            high = low + 1e-9 * max(1.0, abs(low))
         spare = 1e-9 * (high / 2 - low / 2)  # what rounding does to the ends
         return cls(low, high, cmap, below=least < low - spare, above=most > high + spare)
 
