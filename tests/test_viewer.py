@@ -744,7 +744,7 @@ def test_a_frame_has_the_colour_bar_of_its_values(torus):
     assert float(message["bar"]["high"]) == pytest.approx(V[:, 2].max())
     assert len(message["bar"]["stops"]) == 17
     view.color_by("other", limits=(0, 1))
-    page.wait_for(lambda m: m["bar"]["label"] == "other" and m["bar"]["high"] == "≥ 1")
+    page.wait_for(lambda m: m["bar"]["label"] == "other" and m["bar"]["low"] == "≤ 0")
     view.update()
     page.wait_for(lambda m: m["bar"] is None)
 

@@ -100,12 +100,12 @@ def choice(
     )
 
 
-def color_choice() -> Any:
+def color_choice(value: str = "displacement") -> Any:
     """The menu of what the meshes are coloured by."""
     return choice(
         "colour by",
         [*coloring.COLORINGS, PLAIN],
-        "displacement",
+        value,
         "What the colours of the noisy meshes show",
     )
 

@@ -30,7 +30,7 @@ class Backend(Protocol):
 
 
 class Shown(Protocol):
-    """What a back end reads of its view, and the two things that a page asks of it.
+    """What a back end reads of its view, and what a page asks of it.
 
     It draws panels that are placed, see `meshfair.viewer.placement`.
     """
@@ -54,3 +54,6 @@ class Shown(Protocol):
 
     def reset(self) -> None:
         """The page asks for the first camera again."""
+
+    def click(self, panel: int, x: float, y: float) -> None:
+        """Somebody has clicked on a panel; x and y are from -1 to 1."""

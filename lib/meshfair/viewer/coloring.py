@@ -100,7 +100,7 @@ class Coloring(NamedTuple):
 COLORINGS = {
     "displacement": Coloring("displacement (mean edges)", displacement, 0.05),
     "signed displacement": Coloring(
-        "displacement along the true normal (mean edges; below 0: inwards)",
+        "displacement outwards (mean edges)",
         signed_displacement,
         0.05,
         signed=True,

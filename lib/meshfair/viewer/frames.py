@@ -86,6 +86,10 @@ class Frames:
             self._pump()
         elif kind == "reset":
             self._view.reset()
+        elif kind == "click":
+            self._view.click(message["panel"], message["x"], message["y"])
+        elif kind == "ping":
+            self.widget.send({"kind": "pong"})
         elif kind == "move":
             camera = self._view.camera.orbit(message["yaw"], message["pitch"], self._view.up)
             self._view.camera = camera.pan(*message["pan"]).zoom(message["zoom"])

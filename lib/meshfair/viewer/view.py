@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 from numpy.typing import ArrayLike
@@ -13,6 +13,7 @@ from meshfair.checks import check_choice, check_number, check_text, check_vertic
 from meshfair.viewer.arguments import coloring
 from meshfair.viewer.backend import Backend
 from meshfair.viewer.live import made
+from meshfair.viewer.picking import pick
 from meshfair.viewer.side_by_side import SideBySide
 
 
@@ -96,6 +97,7 @@ class View(SideBySide):
         )
         self._changed: set[int] | None = None  # panels changed inside `together`
         self._moved = False  # the camera was, there
+        self._on_pick: Callable[[int, int], object] | None = None
         self._backend: Backend = made(backend, self)
 
     @property
@@ -210,6 +212,32 @@ class View(SideBySide):
         """Go back to the camera of the beginning, or of the last `look_at` or `refit`."""
         super().reset()
         self._refresh([], moved=True)
+
+    def on_pick(self, function: Callable[[int, int], object] | None) -> None:
+        """Say what a click on a mesh does, in a page whose frames polyscope draws.
+
+        Parameters
+        ----------
+        function : function(panel, vertex) or None
+            Called with the numbers of the panel and of the vertex.
+        """
+        self._on_pick = function
+
+    def click(self, panel: int, x: float, y: float) -> None:
+        """Somebody has clicked on a panel; the page says so.
+
+        Parameters
+        ----------
+        panel : int
+        x, y : float
+            From -1 at the panel's left and bottom edge to 1 at its right and top edge.
+        """
+        if self._on_pick is None:
+            return
+        shown = self.panels[check_choice(panel, "panel", range(len(self.panels)))]
+        vertex = pick(shown.V, shown.F, self.camera, (x, y), self.aspect)
+        if vertex is not None:
+            self._on_pick(panel, vertex)
 
     def fit(self, aspect: float) -> None:
         """Say the panels' shape, width over height; the page does."""
