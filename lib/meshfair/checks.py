@@ -47,6 +47,7 @@ EXTRAS = {
     "notebooks": {"anywidget", "ipywidgets", "k3d", "traitlets"},
     "data": {"pooch"},
     "experiments": {"pandas", "tqdm"},
+    "cluster": {"dask", "distributed"},
     "grading": {"jinja2", "jupytext", "markupsafe", "nbformat"},
 }
 """Modules that are imported for some uses alone, by the extra that installs them."""

@@ -18,7 +18,7 @@ from types import ModuleType
 from meshfair import __version__
 from meshfair.checks import NotInstalledError
 
-COMMANDS = ("info", "repair", "noise", "denoise", "compare", "doctor")
+COMMANDS = ("info", "repair", "noise", "denoise", "compare", "sweep", "doctor")
 # Other packages bring further ones as entry points of this group.
 GROUP = "meshfair.commands"
 TRACEBACK_VARIABLE = "MESHFAIR_TRACEBACK"
