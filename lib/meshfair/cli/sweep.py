@@ -86,10 +86,10 @@ def run(options: argparse.Namespace) -> int:
     try:
         _work(sweep, options)
     except (SweepStoppedError, KeyboardInterrupt) as stop:
-        _say(
-            f"{stop or 'stopped'}; {sweep.from_journal + sweep.run_now:,} of "
-            f"{len(sweep.cells):,} cells are in {journal}, and the same command goes on"
-        )
+        done = sweep.from_journal + sweep.run_now - sweep.failed
+        kept = f"the results of {done:,} of {len(sweep.cells):,} cells are in {journal}, "
+        kept += "and the same command goes on"
+        _say(f"{str(stop) or 'stopped'}; {kept if done else 'no cell has its result yet'}")
         if isinstance(stop, KeyboardInterrupt):
             raise
         return 1
@@ -113,7 +113,7 @@ def _check_output(out: Path, journal: Path, force: bool) -> None:
 
 def _work(sweep: Sweep, options: argparse.Namespace) -> None:
     """Run the cells where the options say."""
-    if options.workers is None and options.scheduler is None:
+    if not sweep.waiting or (options.workers is None and options.scheduler is None):
         sweep.run(on_first_failure=_say_failure, give_up=not options.keep_going)
         return
     from meshfair.experiments.cluster import connect

@@ -26,6 +26,13 @@ if TYPE_CHECKING:
 
 WAIT = 60.0  # seconds for a first worker to come, and for another when none is left
 MESHES = 16  # that the cluster keeps beyond those in use
+# `dispatch` counts a worker's deaths, not the scheduler; and copies of meshes stay where they are.
+SCHEDULER = {
+    "distributed.scheduler.allowed-failures": 0,
+    "distributed.scheduler.active-memory-manager.start": False,
+}
+# Ctrl-C reaches every process of a terminal; workers leave it to the one that started them.
+DEAF = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)"
 REFRESH = 2.0  # seconds after which workers are counted again
 
 
@@ -64,19 +71,18 @@ def connect(
         import dask
         import distributed
 
-    # The package's own messages say what matters of what these loggers would.
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
     with ExitStack() as stack:
+        stack.enter_context(_quiet())
         if scheduler is None:
             workers = check_count(workers, "workers", 1)
-            # A worker's death is counted by `dispatch`, and so not by the scheduler.
-            stack.enter_context(dask.config.set({"distributed.scheduler.allowed-failures": 0}))
+            stack.enter_context(dask.config.set(SCHEDULER))
             local = stack.enter_context(
                 distributed.LocalCluster(
                     n_workers=workers,
                     threads_per_worker=1,
                     dashboard_address=None,
                     silence_logs=logging.CRITICAL,
+                    preload=[DEAF],
                 )
             )
             client = stack.enter_context(distributed.Client(local))
@@ -86,6 +92,7 @@ def connect(
                 raise SweepStoppedError(f"there is no scheduler file {scheduler}")
             where = {"scheduler_file": scheduler} if is_file else {"address": scheduler}
             try:
+                distributed.comm.registry.get_backend(distributed.comm.parse_address(scheduler)[0])
                 client = stack.enter_context(
                     distributed.Client(**where, timeout=10, set_as_default=False)
                 )
@@ -96,6 +103,20 @@ def connect(
         cluster = Cluster(client, wait)
         cluster.check_versions()
         yield cluster
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Silence dask's loggers: of what they say, the package's own messages say what matters."""
+    names = [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]
+    levels = {name: logging.getLogger(name).level for name in names}
+    for name in names:
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        for name, level in levels.items():
+            logging.getLogger(name).setLevel(level)
 
 
 class Cluster:

@@ -127,6 +127,11 @@ class Sweep:
         """How many cells have run since the start, failed ones among them."""
         return sum(c.key in self._finished for c in self.cells) - self.from_journal
 
+    @property
+    def waiting(self) -> int:
+        """How many cells have no row yet."""
+        return len(self.cells) - self.run_now - self.from_journal
+
     def run(
         self,
         executor: Executor | Workers | None = None,
