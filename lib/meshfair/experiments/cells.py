@@ -17,9 +17,6 @@ from meshfair.experiments.meshes import Mesh, digest, given, load_mesh, parts
 Experiment = Callable[..., Mapping[str, Any]]
 Row = dict[str, Any]
 
-# Cells that take less than this go to a worker several at a time: a message takes milliseconds.
-BATCH_SECONDS = 0.25
-
 
 class Cell(NamedTuple):
     """One combination of parameters."""
@@ -85,14 +82,16 @@ def _key(cell: Cell, digests: dict[str, str]) -> str:
 
 
 def run_batch(
-    batch: Sequence[Cell], meshes: Mapping[str, Mesh] | None = None
+    batch: Sequence[Cell], limit: float, meshes: Mapping[str, Mesh] | None = None
 ) -> tuple[list[Row], float]:
-    """Run cells one after the other, until `BATCH_SECONDS` are over.
+    """Run cells one after the other, until the time is over.
 
     Parameters
     ----------
     batch : sequence of Cell
         At least the first is run.
+    limit : float
+        Seconds after which no other cell is begun.
     meshes : dict of str to (V, F), optional
         As `meshfair.experiments.meshes.given`.
 
@@ -110,7 +109,7 @@ def run_batch(
         for cell in batch:
             rows.append(attempt(cell))
             seconds = time.perf_counter() - begun
-            if seconds > BATCH_SECONDS:
+            if seconds > limit:
                 break
     return rows, seconds
 

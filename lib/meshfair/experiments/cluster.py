@@ -160,13 +160,13 @@ class Cluster:
             self._counted = time.monotonic()
         return self._slots
 
-    def submit(self, batch: Sequence[Cell]) -> Future:
+    def submit(self, batch: Sequence[Cell], limit: float) -> Future:
         """Begin with a batch; a mesh goes to the cluster, and to each worker, once."""
         if self.client.status != "running":
             raise SweepStoppedError(self._no_scheduler())
         meshes = self._scattered(batch)
         return self.client.submit(
-            _run, version(), list(batch), list(meshes), *meshes.values(), pure=False
+            _run, version(), list(batch), limit, list(meshes), *meshes.values(), pure=False
         )
 
     def _scattered(self, batch: Sequence[Cell]) -> dict[str, Future]:
@@ -264,10 +264,10 @@ def _refused(worker: str, theirs: str, wanted: str) -> str:
 
 
 def _run(
-    wanted: str, batch: Sequence[Cell], names: Sequence[str], *meshes: Mesh
+    wanted: str, batch: Sequence[Cell], limit: float, names: Sequence[str], *meshes: Mesh
 ) -> tuple[list[Row], float]:
     """On a worker: `run_batch` of the same version, on one core."""
     if wanted != version():  # a worker that came later
         raise WrongVersionError(_refused(f"on {platform.node()}", version(), wanted))
     _fast.use_one_core()
-    return run_batch(batch, dict(zip(names, meshes, strict=True)))
+    return run_batch(batch, limit, dict(zip(names, meshes, strict=True)))

@@ -9,12 +9,17 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor
 from typing import Any, Protocol
 
-from meshfair.experiments.cells import BATCH_SECONDS, Cell, Row, failure, run_batch
+from meshfair.experiments.cells import Cell, Row, failure, run_batch
 
 # A cell whose worker died so often, the last time with no other cell near, is given up.
 TRIES = 3
 # How often a batch may come back undone for a reason that is not its own.
 LOSSES = 20
+# A message to a worker and back takes milliseconds of the scheduler. So cells that take less than
+# this go several at a time; and more of them, where so many workers would send more messages a
+# second than the scheduler bears.
+BATCH_SECONDS = 0.25
+MESSAGES = 100
 # At most this many batches for each worker at a time: one that runs, and one that waits.
 AHEAD = 2
 PATIENCE = 1.0  # seconds without an answer, after which the workers are looked after
@@ -44,8 +49,8 @@ class Workers(Protocol):
     def slots(self) -> int:
         """How many batches can run at the same time."""
 
-    def submit(self, batch: Sequence[Cell]) -> Any:
-        """Begin with a batch; return a future with ``add_done_callback`` and ``cancel``."""
+    def submit(self, batch: Sequence[Cell], limit: float) -> Any:
+        """Begin `run_batch`; return a future with ``add_done_callback`` and ``cancel``."""
 
     def collect(self, future: Any) -> tuple[list[Row], float]:
         """What `run_batch` returned.
@@ -79,7 +84,7 @@ class ExecutorWorkers:
         """As many as the executor says, or else one for each core here."""
         return getattr(self._executor, "_max_workers", None) or os.cpu_count() or 1
 
-    def submit(self, batch: Sequence[Cell]) -> Any:
+    def submit(self, batch: Sequence[Cell], limit: float) -> Any:
         """Begin with a batch.
 
         Raises
@@ -88,7 +93,7 @@ class ExecutorWorkers:
             The executor takes nothing any more.
         """
         try:
-            return self._executor.submit(run_batch, batch)
+            return self._executor.submit(run_batch, batch, limit)
         except BrokenExecutor as error:
             raise _broken(error) from None
 
@@ -145,16 +150,17 @@ def dispatch(workers: Workers, waiting: Sequence[Cell]) -> Iterator[Rows]:
     seconds_each = BATCH_SECONDS  # so the first batches hold one cell
 
     def submit(batch: list[Cell]) -> None:
-        future = workers.submit(batch)
+        future = workers.submit(batch, limit)
         pending[future] = batch
         future.add_done_callback(done.put)
 
     try:
         while todo or suspects or pending:
             slots = workers.slots()
+            limit = max(BATCH_SECONDS, slots / MESSAGES)
             while todo and len(pending) < AHEAD * slots:
                 fair = len(todo) // (2 * AHEAD * slots)
-                submit(_take(todo, min(int(BATCH_SECONDS / seconds_each), fair), deaths))
+                submit(_take(todo, min(int(limit / seconds_each), fair), deaths))
             alone = not pending
             if alone:
                 submit([suspects.popleft()])
