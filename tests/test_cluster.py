@@ -289,6 +289,7 @@ def test_no_scheduler_and_no_worker(tmp_path, capsys):
     for address, said in {
         str(tmp_path / "no.json"): "there is no scheduler file",
         "nothing://here": "no scheduler answers at nothing://here",
+        "tls://127.0.0.1:1": "names no certificate and key for TLS",
     }.items():
         assert run(grid, "--out", out, "--scheduler", address) == 1
         assert said in capsys.readouterr().err

@@ -87,22 +87,33 @@ def connect(
             )
             client = stack.enter_context(distributed.Client(local))
         else:
-            is_file = scheduler.endswith(".json")
-            if is_file and not Path(scheduler).is_file():
-                raise SweepStoppedError(f"there is no scheduler file {scheduler}")
-            where = {"scheduler_file": scheduler} if is_file else {"address": scheduler}
-            try:
-                distributed.comm.registry.get_backend(distributed.comm.parse_address(scheduler)[0])
-                client = stack.enter_context(
-                    distributed.Client(**where, timeout=10, set_as_default=False)
-                )
-            except (OSError, ValueError) as error:
-                raise SweepStoppedError(
-                    f"no scheduler answers at {scheduler} ({error}); start one with dask scheduler"
-                ) from None
+            client = stack.enter_context(_client(scheduler))
         cluster = Cluster(client, wait)
         cluster.check_versions()
         yield cluster
+
+
+def _client(scheduler: str) -> Client:
+    """A client of a scheduler that runs already."""
+    from distributed import Client
+    from distributed.comm import parse_address
+    from distributed.comm.registry import get_backend
+    from distributed.security import Security
+
+    is_file = scheduler.endswith(".json")
+    if is_file and not Path(scheduler).is_file():
+        raise SweepStoppedError(f"there is no scheduler file {scheduler}")
+    where = {"scheduler_file": scheduler} if is_file else {"address": scheduler}
+    try:
+        scheme, _ = parse_address(scheduler)
+        get_backend(scheme)
+        if scheme == "tls" and not Security().get_connection_args("client").get("ssl_context"):
+            raise ValueError("dask's configuration here names no certificate and key for TLS")
+        return Client(**where, timeout=10, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise SweepStoppedError(
+            f"no scheduler answers at {scheduler} ({error}); start one with dask scheduler"
+        ) from None
 
 
 @contextmanager
