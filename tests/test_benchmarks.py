@@ -33,6 +33,9 @@ def test_a_quick_benchmark_agrees_and_writes_its_tables(tmp_path):
     assert methods == denoising.methods()
     assert len(rows(tmp_path / "starting.csv")) == 3
     assert [row["vertices"] for row in rows(tmp_path / "scaling.csv")] == ["600", "2400"]
+    (sweep,) = rows(tmp_path / "sweeping.csv")
+    assert (sweep["where"], sweep["cells"], sweep["workers"]) == ("cluster", "200", "2")
+    assert float(sweep["written"]) > 0
     assert {"processor", "cores", "numba"} <= {
         row["what"] for row in rows(tmp_path / "machine.csv")
     }

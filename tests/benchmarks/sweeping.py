@@ -17,8 +17,6 @@ writes report/results/sweeping.csv. Each row is one sweep, with a journal, in a 
 """
 
 import argparse
-import csv
-import importlib.util
 import json
 import subprocess
 import sys
@@ -100,9 +98,6 @@ def _journal(path, again):
 def table(quick=False):
     """Measure each row in a process of its own; print and return the rows."""
     print("sweeps of cells of a millisecond: overhead a cell, memory of the client, journal")
-    if importlib.util.find_spec("distributed") is None:
-        print("  distributed is not installed, and left out")
-        return []
     rows = []
     for where, count in [("cluster", 200)] if quick else ROWS:
         command = [sys.executable, __file__, "--row", where, str(count)]
@@ -127,11 +122,7 @@ def main():
     if options.row:
         print(json.dumps(measure(options.row[0], int(options.row[1]))))
         return
-    rows = table()
-    with open(RESULTS / "sweeping.csv", "w", newline="") as file:
-        writer = csv.DictWriter(file, rows[0], lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    measuring.write(RESULTS / "sweeping.csv", table())
 
 
 if __name__ == "__main__":

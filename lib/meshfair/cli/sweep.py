@@ -127,11 +127,7 @@ def _say(message: str) -> None:
 
 
 def _say_failure(cell: Cell, error: str) -> None:
-    _say(f"a cell failed ({_parameters(cell)}): {error}")
-
-
-def _parameters(cell: Cell) -> str:
-    return ", ".join(f"{name} {value}" for name, value in cell.parameters.items())
+    _say(f"a cell failed ({cell}): {error}")
 
 
 def _summarize(sweep: Sweep, options: argparse.Namespace) -> None:
@@ -154,5 +150,5 @@ def _summarize(sweep: Sweep, options: argparse.Namespace) -> None:
     print(
         f"{options.out}: {len(sweep.cells):,} cells, {sweep.run_now:,} run now, "
         f"{sweep.from_journal:,} from the journal, {sweep.failed:,} failed"
-        + (f", first in row {row} ({_parameters(first[0])}): {first[1]}" if first else "")
+        + (f", first in row {row} ({first[0]}): {first[1]}" if first else "")
     )

@@ -32,6 +32,9 @@ class Cell(NamedTuple):
         name = self.parameters.get("mesh")
         return parts(name) if isinstance(name, str) else ()
 
+    def __str__(self) -> str:
+        return ", ".join(f"{name} {value}" for name, value in self.parameters.items())
+
 
 def cells(grids: Sequence[Mapping[str, Any]]) -> list[Cell]:
     """All combinations of parameters, in the order of the grids, the last axis fastest.

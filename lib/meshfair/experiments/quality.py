@@ -8,10 +8,10 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from meshfair import denoising
-from meshfair.checks import Floats, Integers, needed_for
+from meshfair.checks import Floats, Integers
 from meshfair.experiments.meshes import PAIRS, load_mesh, load_noisy_mesh
 from meshfair.experiments.missiles import JET, part_errors
-from meshfair.experiments.sweep import check_finished, sweep
+from meshfair.experiments.sweep import sweep
 from meshfair.metrics import compare
 
 if TYPE_CHECKING:
@@ -146,17 +146,11 @@ def quality(
     RuntimeError
         A method failed; the message says which and why.
     """
-    with needed_for("an experiment"):
-        import pandas as pd
-
     methods = denoising.methods() if methods is None else list(methods)
-    parts = []
+    grids = []
     for mesh in meshes:
         noise = PAIRS[mesh].size if mesh in PAIRS else size
         common = {"experiment": score, "mesh": mesh, "size": noise, "seed": seed}
         for which, ways in ((["none"], ["default"]), (methods, PARAMETERS)):
-            grid = common | {"method": which, "parameters": ways}
-            parts.append(sweep(grid, path=path, progress=progress))
-    table = pd.concat(parts, ignore_index=True)
-    check_finished(table)
-    return table
+            grids.append(common | {"method": which, "parameters": ways})
+    return sweep(grids, path=path, progress=progress, failures="raise")

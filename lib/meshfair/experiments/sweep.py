@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from meshfair import io
-from meshfair.checks import needed_for
+from meshfair.checks import check_choice, needed_for
 from meshfair.experiments.cells import Cell, Row, attempt, cells
 from meshfair.experiments.dispatch import (
     ExecutorWorkers,
@@ -39,6 +39,7 @@ def sweep(
     *,
     path: str | os.PathLike[str] | None = None,
     progress: bool = True,
+    failures: str = "warn",
 ) -> pd.DataFrame:
     """Run an experiment on every combination of parameters; a row for each.
 
@@ -60,6 +61,8 @@ def sweep(
         whatever stopped it; a cell that failed is tried again.
     progress : bool
         Show a progress bar, where standard error is a terminal.
+    failures : {"warn", "raise"}
+        What to do, after the last cell, where a cell has failed.
 
     Returns
     -------
@@ -74,12 +77,15 @@ def sweep(
         No function under ``experiment``, or no cell.
     SweepStoppedError
         The workers are gone; finished rows are kept.
+    RuntimeError
+        A cell has failed, and this is wanted; the message has the first one's parameters.
 
     Warns
     -----
     RuntimeWarning
         Cells have failed.
     """
+    check_choice(failures, "failures", ("warn", "raise"))
     with needed_for("an experiment"):
         import pandas  # noqa: F401  now, and not after the last cell
         import tqdm  # noqa: F401
@@ -87,12 +93,12 @@ def sweep(
     run = Sweep([grid] if isinstance(grid, Mapping) else grid, path=path)
     run.run(executor, progress=progress)
     if run.first_failure:
-        warnings.warn(
-            f"{run.failed} of {len(run.cells)} cells failed, first with {run.first_failure[1]}; "
-            "see the table's column error",
-            RuntimeWarning,
-            stacklevel=2,
-        )
+        cell, error = run.first_failure
+        said = f"a cell of the sweep failed ({cell}): {error}"
+        if failures == "raise":
+            raise RuntimeError(said)
+        others = f"{run.failed} of {len(run.cells)} cells; see the table's column error"
+        warnings.warn(f"{said}; so did {others}", RuntimeWarning, stacklevel=2)
     return run.table()
 
 
@@ -119,8 +125,6 @@ class Sweep:
         """How many cells had their rows already."""
         self.failed = 0
         """How many cells have failed."""
-        self.first_failure: tuple[Cell, str] | None = None
-        """The cell that failed first, and its message."""
 
     @property
     def run_now(self) -> int:
@@ -190,12 +194,16 @@ class Sweep:
     def _note(self, cell: Cell, row: Row) -> bool:
         """Count a row; return whether it is the first that failed."""
         self._finished[cell.key] = row
-        if "error" not in row:
-            return False
-        self.failed += 1
-        first = self.first_failure is None
-        self.first_failure = self.first_failure or (cell, row["error"])
-        return first
+        self.failed += "error" in row
+        return "error" in row and self.failed == 1
+
+    @property
+    def first_failure(self) -> tuple[Cell, str] | None:
+        """Of the cells that have failed, the first in the grids, with its message."""
+        for cell in self.cells:
+            if "error" in (row := self._finished.get(cell.key, {})):
+                return cell, row["error"]
+        return None
 
     def _with_files(self, row: Row) -> Row:
         """A row whose meshes are files, named by what is in them."""
@@ -226,25 +234,6 @@ class Sweep:
         return pd.DataFrame(
             [_row(c, self._finished[c.key]) for c in self.cells if c.key in self._finished]
         )
-
-
-def check_finished(table: pd.DataFrame) -> None:
-    """Raise an error if a cell of a sweep failed.
-
-    Parameters
-    ----------
-    table : pandas.DataFrame
-        From `sweep`.
-
-    Raises
-    ------
-    RuntimeError
-        With the first failed cell's parameters and message.
-    """
-    if "error" in table and table["error"].notna().any():
-        cell = table[table["error"].notna()].iloc[0].dropna()  # it has no results
-        at = ", ".join(f"{name} {value}" for name, value in cell.drop("error").items())
-        raise RuntimeError(f"a cell of the sweep failed ({at}): {cell['error']}")
 
 
 def _row(cell: Cell, finished: Row) -> Row:
