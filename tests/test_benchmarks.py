@@ -43,6 +43,9 @@ def test_a_quick_benchmark_agrees_and_writes_its_tables(tmp_path):
     ]
     assert all(float(row["write_like"]) > 0 for row in files)
     assert [row["vertices"] for row in rows(tmp_path / "scaling.csv")] == ["600", "2400"]
+    (sweep,) = rows(tmp_path / "sweeping.csv")
+    assert (sweep["where"], sweep["cells"], sweep["workers"]) == ("cluster", "200", "2")
+    assert float(sweep["written"]) > 0
     assert {"processor", "cores", "numba"} <= {
         row["what"] for row in rows(tmp_path / "machine.csv")
     }

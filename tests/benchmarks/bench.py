@@ -36,11 +36,10 @@ files.csv has a row for each format: seconds to read a mesh, to read all that th
 write the mesh, and to write it like the file; in memory.
 scaling.csv has a row for each size: vertices, faces, nanoseconds per vertex of each part
 (edges, cotangent, averaging, step, whole_flow) and peak_bytes_per_vertex, the most memory
-that the whole flow holds. machine.csv says what was measured on.
+that the whole flow holds. sweeping.csv: see sweeping.py. machine.csv says what was measured on.
 """
 
 import argparse
-import csv
 import importlib.util
 import multiprocessing
 import tempfile
@@ -52,6 +51,7 @@ import measuring
 import numpy as np
 import scaling
 import starting
+import sweeping
 from contenders import CONTENDERS, STEPS, known
 
 from meshfair.mesh import reorder
@@ -207,17 +207,6 @@ def bytes_to_move(mesh):
     return k.A.data.nbytes + 4 * (k.A.nnz + n) + 2 * k.V.nbytes + n
 
 
-def write(path, rows):
-    """Write rows with the same names as CSV, figures with six digits."""
-    with open(path, "w", newline="") as file:
-        table = csv.DictWriter(file, rows[0], lineterminator="\n")
-        table.writeheader()
-        for row in rows:
-            table.writerow(
-                {key: f"{x:.6g}" if isinstance(x, float) else x for key, x in row.items()}
-            )
-
-
 def show(rows, n):
     """Print the rows of one task."""
     for row in rows:
@@ -295,12 +284,13 @@ def main(arguments=None):
             tables["filters.csv"] = filtering.table(rounds, options.quick)
             tables["files.csv"] = files.table(meshes[0][0], rounds)
             tables["scaling.csv"] = scaling.table(meshes, rounds)
+            tables["sweeping.csv"] = sweeping.table(options.quick)
     facts = [*measuring.machine(), ("copy GB/s", f"{measuring.median(bandwidths) / 1e9:.1f}")]
     tables["machine.csv"] = [{"what": key, "value": x} for key, x in facts]
     if results is not None:
         results.mkdir(parents=True, exist_ok=True)
         for name, table in tables.items():
-            write(results / name, table)
+            measuring.write(results / name, table)
 
 
 if __name__ == "__main__":

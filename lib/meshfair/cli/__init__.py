@@ -20,7 +20,7 @@ from meshfair.cli import printing
 from meshfair.cli.messages import Messages
 from meshfair.cli.parser import Parser
 
-COMMANDS = ("info", "repair", "noise", "denoise", "compare", "view", "doctor")
+COMMANDS = ("info", "repair", "noise", "denoise", "compare", "view", "sweep", "doctor")
 # Other packages bring further ones as entry points of this group.
 GROUP = "meshfair.commands"
 

@@ -207,6 +207,20 @@ def check_free(out: Path, inputs: Sequence[Place], force: bool) -> None:
         raise IsADirectoryError(f"{out} is a folder; give the name of a file in it")
     if out.exists() and not force:
         raise FileExistsError(f"{out} is there already; replace it with --force, or choose a name")
+    check_folder(out)
+
+
+def check_folder(out: Path) -> None:
+    """Refuse an output in a folder that is not there or cannot be written to.
+
+    Parameters
+    ----------
+    out : pathlib.Path
+
+    Raises
+    ------
+    PermissionError
+    """
     if not os.access(out.parent, os.W_OK):
         reason = "cannot be written to" if out.parent.is_dir() else "is not there"
         raise PermissionError(f"{out}: the folder {out.parent} {reason}; choose another")

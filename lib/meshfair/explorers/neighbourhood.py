@@ -118,7 +118,9 @@ class NeighbourhoodExplorer(Explorer):
         """A vertex with a negative cotangent weight, of those the middle one by its size."""
         least = self._operators(size)[1]["cotangent"].min(axis=1).toarray().ravel()
         negative = np.flatnonzero(least < 0)
-        return int(negative[np.argsort(least[negative])[len(negative) // 2]]) if len(negative) else 0
+        return (
+            int(negative[np.argsort(least[negative])[len(negative) // 2]]) if len(negative) else 0
+        )
 
     def _operators(self, size: float) -> tuple[Floats, dict[str, csr_array]]:
         """The noisy mesh and its averaging operators."""
