@@ -19,7 +19,7 @@ from packaging.requirements import Requirement
 from broken import bow_tie
 from meshes import grid
 from meshfair import _fast, cli, denoising, io, mesh, metrics, noise, shapes
-from meshfair.cli import doctor, printing
+from meshfair.cli import doctor, files, printing
 from meshfair.cli import noise as noise_command
 from meshfair.cli.parser import Parser
 from meshfair.cli.words import in_words_of_the_command
@@ -186,10 +186,10 @@ def test_noise_at_an_snr(run, knot, tmp_path):
     assert metrics.snr(shapes.knot()[0], V) == pytest.approx(22.85, abs=1e-9)
 
 
-def test_no_noise_has_no_snr_that_json_could_hold(run, knot, tmp_path):
+def test_no_noise_has_an_infinite_snr_in_json_too(run, knot, tmp_path):
     code, text, _ = run("noise", knot, tmp_path / "o.ply", "--sigma", 0, "--json")
     assert code == 0
-    assert json.loads(text)["snr"] is None
+    assert json.loads(text)["snr"] == "Infinity"
 
 
 @pytest.mark.parametrize(
@@ -597,9 +597,8 @@ def test_an_interrupt_of_many_says_what_is_done(run, scans, tmp_path, monkeypatc
     code, text, err = run(*words)
     assert code == 130
     assert str(scans[0]) in text
-    assert one_line(err) == (
-        f"meshfair denoise: interrupted after 1 of 2 meshes; 1 were written to {tmp_path / 'o'}\n"
-    )
+    assert text.splitlines()[-1] == f"1 of 2 meshes written to {tmp_path / 'o'}"
+    assert err == "meshfair denoise: interrupted after 1 of 2 meshes\n"
     assert [path.name for path in (tmp_path / "o").iterdir()] == ["first.ply"]
     calls.clear()
     code, text, _ = run(*words, "--json", "--force")
@@ -617,7 +616,7 @@ class Pipe:
         self.buffer, self.isatty = BytesIO(data), lambda: terminal
 
 
-@pytest.mark.parametrize("format", ["ply", "obj", "off", "stl"])
+@pytest.mark.parametrize("format", ["ply", "obj", "off", "stl", "vtu"])
 @pytest.mark.parametrize(
     "words",
     [
@@ -629,6 +628,8 @@ class Pipe:
     ids=" ".join,
 )
 def test_a_mesh_through_pipes_is_that_of_files(tmp_path, capsysbinary, monkeypatch, words, format):
+    if format == "vtu":
+        pytest.importorskip("meshio")
     source, out = tmp_path / f"in.{format}", tmp_path / f"out.{format}"
     io.write(source, *shapes.icosphere(1))
     command, *options = words
@@ -642,6 +643,10 @@ def test_a_mesh_through_pipes_is_that_of_files(tmp_path, capsysbinary, monkeypat
     # What comes out has the format of what went in, where nothing else is said.
     assert cli.main([command, str(source), "-", *options]) == 0
     assert capsysbinary.readouterr().out == out.read_bytes()
+
+
+def test_every_format_goes_through_pipes():
+    assert [f".{name}" for name in files.FORMATS] == list(io.FORMATS)
 
 
 def test_info_of_standard_input(run, knot, monkeypatch):
@@ -663,7 +668,7 @@ def test_pipes_of_a_process_carry_any_byte(tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["denoise", "-", "-"], "give its --format, one of obj, off, ply, stl"),
+        (["denoise", "-", "-"], "give its --format, one of obj, off, ply, stl, glb, "),
         (["denoise", "-", "o.obj"], "give its --format"),
         (["info", "-"], "give its --format"),
         (["info", "-", "--format", "obj"], "standard input: byte 0: the file looks like PLY"),
@@ -803,6 +808,14 @@ def test_wrong_noise_is_told_in_the_words_of_the_command(run, tmp_path, words, m
     assert not (tmp_path / "o.off").exists()
 
 
+def test_an_assignment_that_is_almost_one(run, tmp_path):
+    words = ["--assignment", "a11", "--out", tmp_path / "grades.csv"]
+    code, _, err = run("grade", tmp_path, *words)
+    assert code == 1
+    assert "there is no assignment a11; there are a1, " in one_line(err)
+    assert "(did you mean 'a1'?)" in err
+
+
 def parser_of(command):
     parser = Parser(prog=command)
     importlib.import_module(f"meshfair.cli.{command}").add_arguments(parser)
@@ -819,6 +832,16 @@ def test_advice_is_in_the_words_of_the_command():
             assert {word.rstrip(",;:") for word in python.split() if word[:2] == "--"} <= known
     told = in_words_of_the_command(ADVICE["degenerate_faces"].remedy, {})
     assert told.startswith("meshfair repair --weld 0 --degenerate, or ")
+
+
+@pytest.mark.parametrize(
+    "name", ["mesh.stl", "mesh.area.stl", "mesh.repair.ply", "weights.obj", "noise.off", "V.ply"]
+)
+def test_names_of_files_are_no_words_of_python(run, tmp_path, name):
+    for path in (tmp_path / name, name):
+        code, _, err = run("info", path)
+        assert code == 1
+        assert one_line(err).startswith(f"meshfair info: {path}: opening: ")
 
 
 def messages_of(folder):
@@ -1032,11 +1055,29 @@ def test_a_check_that_fails_is_itself_a_finding(error, state, words):
 
 
 @pytest.mark.parametrize("command", cli.COMMANDS)
-def test_help_of_each_command(command, capsys):
+def test_help_of_each_command(command, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
     with pytest.raises(SystemExit) as stop:
         cli.main([command, "--help"])
     assert stop.value.code == 0
-    assert f"usage: meshfair {command}" in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert f"usage: meshfair {command}" in out
+    assert max(map(len, out.splitlines())) <= 80
+
+
+@pytest.mark.parametrize("command", ["noise", "denoise", "compare"])
+def test_help_says_that_an_snr_depends_on_the_origin(command, capsys):
+    with pytest.raises(SystemExit):
+        cli.main([command, "--help"])
+    assert re.search(r"SNR \w+.* origin", " ".join(capsys.readouterr().out.split()))
+
+
+def test_help_names_the_default_method(capsys):
+    with pytest.raises(SystemExit):
+        cli.main(["denoise", "--help"])
+    assert f"(default {denoising.DEFAULT}; see --methods)" in " ".join(
+        capsys.readouterr().out.split()
+    )
 
 
 def test_wrong_usage_is_2(capsys):
@@ -1162,7 +1203,7 @@ def test_json_has_no_numbers_that_json_has_not(capsys):
     )
     assert json.loads(capsys.readouterr().out) == {
         "a": None,
-        "b": [None, 1],
+        "b": ["Infinity", 1],
         "c": [0, 1],
         "d": True,
     }

@@ -48,6 +48,7 @@ EXTRAS = {
     "data": {"pooch"},
     "formats": {"collada", "lxml", "mapbox_earcut", "meshio", "networkx", "trimesh"},
     "experiments": {"pandas", "tqdm"},
+    "cluster": {"dask", "distributed"},
     "grading": {"jinja2", "jupytext", "markupsafe", "nbformat"},
 }
 """Modules that are imported for some uses alone, by the extra that installs them."""

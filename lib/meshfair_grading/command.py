@@ -105,6 +105,6 @@ def _instructors_file(assignment: str) -> Path:
         )
     known = sorted(file.stem for file in folder.glob("*.py"))
     raise ValueError(
-        f"there is no assignment {assignment!r}; there are {', '.join(known)}"
+        f"there is no assignment {assignment}; there are {', '.join(known)}"
         f"{did_you_mean(assignment, known)}"
     )

@@ -16,10 +16,11 @@ from importlib.metadata import entry_points
 from types import ModuleType
 
 from meshfair import __version__
+from meshfair.cli import printing
 from meshfair.cli.messages import Messages
 from meshfair.cli.parser import Parser
 
-COMMANDS = ("info", "repair", "noise", "denoise", "compare", "view", "doctor")
+COMMANDS = ("info", "repair", "noise", "denoise", "compare", "view", "sweep", "doctor")
 # Other packages bring further ones as entry points of this group.
 GROUP = "meshfair.commands"
 
@@ -87,8 +88,12 @@ def _parse(
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     modules = _modules()
     for name, module in modules.items():
-        summary, _, details = (module.__doc__ or "").partition("\n")
-        subparser = subparsers.add_parser(name, help=summary, description=f"{summary}\n{details}")
+        paragraphs = (module.__doc__ or "").strip().split("\n\n")
+        subparser = subparsers.add_parser(
+            name,
+            help=paragraphs[0],
+            description="\n\n".join(printing.wrapped(" ".join(p.split())) for p in paragraphs),
+        )
         module.add_arguments(subparser)
         messages = Messages(f"meshfair {name}", subparser.option_of)
         subparser.set_defaults(messages=messages, wrong_usage=subparser.error)

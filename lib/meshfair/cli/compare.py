@@ -88,10 +88,9 @@ def _in_words(name: str, measure: "Measure") -> str:
 
 
 def _as_json(name: str, measure: "Measure") -> dict[str, Any]:
-    """A metric for programs; an infinite one, of equal meshes, is the text Infinity."""
-    infinite = measure.value == float("inf")
+    """A metric for programs."""
     return {
-        "value": "Infinity" if infinite else measure.value,
+        "value": measure.value,
         "bound": None if measure.value is None else measure.bound,
         "unit": UNITS[name],
         "reason": in_words_of_the_command(measure.reason, {}) or None,

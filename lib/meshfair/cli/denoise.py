@@ -6,7 +6,8 @@ each IN is denoised into a file of its name in the folder, and one that fails st
 What the file holds beside positions stays as it is.
 
 Parameters that are not given have the method's defaults; a method refuses
-those that it does not have, and names its own.
+those that it does not have, and names its own. An SNR depends on where the origin lies:
+compare SNRs of meshes in one place only.
 """
 
 import argparse
@@ -190,7 +191,7 @@ class _Task:
             if value != defaults[name]
         ]
         closer = [gain for _, gain in gains(facts["history"], 3)]
-        return ", ".join([f"{facts['vertices']:,} vertices", *chosen, *closer])
+        return ", ".join([*chosen, *closer]) or f"{facts['vertices']:,} vertices"
 
 
 def _inputs(source: files.Place, options: argparse.Namespace) -> list[files.Place]:

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 STANDARD: Literal["-"] = "-"
 """Standard input or output, in place of a file."""
-# The endings of `meshfair.io.FORMATS` that standard input and output can be: not loaded for --help.
-FORMATS = ("obj", "off", "ply", "stl")
-BINARY = ("ply", "stl")
+# The endings of `meshfair.io.FORMATS`, which is not loaded for --help.
+FORMATS = ("obj", "off", "ply", "stl", "glb", "gltf", "3mf", "dae", "vtk", "vtu")
+READABLE = ("obj", "off")  # on a terminal
 
 Place = Path | Literal["-"]
 
@@ -72,7 +72,8 @@ def add_format(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--format",
         choices=FORMATS,
-        help="of the mesh in standard input and output, which - stands for",
+        metavar="FORMAT",
+        help="of standard input and output, which - stands for: " + ", ".join(FORMATS),
     )
 
 
@@ -123,7 +124,7 @@ def check_standard(options: argparse.Namespace, source: Place, out: Place | None
         raise ValueError(f"- has no ending; give its --format, one of {', '.join(FORMATS)}")
     if source == STANDARD and sys.stdin.isatty():
         raise ValueError("standard input is the terminal; send a mesh into it, by < or a pipe")
-    if out == STANDARD and options.format in BINARY and sys.stdout.isatty():
+    if out == STANDARD and options.format not in READABLE and sys.stdout.isatty():
         raise ValueError("standard output is the terminal; send the mesh on, by > or a pipe")
 
 
@@ -206,6 +207,20 @@ def check_free(out: Path, inputs: Sequence[Place], force: bool) -> None:
         raise IsADirectoryError(f"{out} is a folder; give the name of a file in it")
     if out.exists() and not force:
         raise FileExistsError(f"{out} is there already; replace it with --force, or choose a name")
+    check_folder(out)
+
+
+def check_folder(out: Path) -> None:
+    """Refuse an output in a folder that is not there or cannot be written to.
+
+    Parameters
+    ----------
+    out : pathlib.Path
+
+    Raises
+    ------
+    PermissionError
+    """
     if not os.access(out.parent, os.W_OK):
         reason = "cannot be written to" if out.parent.is_dir() else "is not there"
         raise PermissionError(f"{out}: the folder {out.parent} {reason}; choose another")

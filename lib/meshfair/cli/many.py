@@ -1,6 +1,7 @@
 """Many meshes through one task: it goes on where one fails, and says at the end what was done."""
 
 import argparse
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Protocol
@@ -54,29 +55,25 @@ def run(task: Task, places: Sequence[files.Place], options: argparse.Namespace) 
             with options.messages.warnings(about=str(source)), printing.progress(label) as advance:
                 done.append(_facts(task, source, out, advance, options))
     except KeyboardInterrupt:
-        _print(task, done, options, interrupted=True)
-        written = sum("error" not in facts for facts in done)
-        raise KeyboardInterrupt(
-            f"after {len(done)} of {len(outs)} meshes; {written} were written to {options.folder}"
-        ) from None
-    _print(task, done, options)
+        _print(task, done, len(outs), options)
+        raise KeyboardInterrupt(f"after {len(done)} of {len(outs)} meshes") from None
+    _print(task, done, len(outs), options)
     return int(any("error" in facts for facts in done))
 
 
 def _outputs(places: Sequence[files.Place], options: argparse.Namespace) -> dict[Path, Path]:
     """The output of each input; an error where two would be one."""
-    sources: dict[Path, Path] = {}
+    taken: dict[Path, Path] = {}
     for source in places:
         if source == files.STANDARD:
             raise ValueError("- is standard input, which --out cannot name; give OUT instead")
         out = options.folder / source.name
-        other = next((name for name, taken in sources.items() if taken == out), None)
-        if other is not None:
+        if out in taken:
             raise ValueError(
-                f"{other} and {source} would both be written to {out}; denoise them one after "
-                "the other, into different folders"
+                f"{taken[out]} and {source} would both be written to {out}; denoise them one "
+                "after the other, into different folders"
             )
-        sources[source] = out
+        taken[out] = source
     if options.format:
         raise ValueError("--format is for standard input and output; files keep their formats")
     if options.folder.exists() and not options.folder.is_dir():
@@ -85,7 +82,7 @@ def _outputs(places: Sequence[files.Place], options: argparse.Namespace) -> dict
         raise FileNotFoundError(
             f"--out {options.folder}: {options.folder.parent} is not there; create it"
         )
-    return sources
+    return {source: out for out, source in taken.items()}
 
 
 def _facts(
@@ -106,14 +103,12 @@ def _facts(
         return {"in": source, "error": message}
 
 
-def _print(
-    task: Task, done: list[dict[str, Any]], options: argparse.Namespace, interrupted: bool = False
-) -> None:
+def _print(task: Task, done: list[dict[str, Any]], total: int, options: argparse.Namespace) -> None:
     """Print the table, or the same as JSON."""
     failed = [facts for facts in done if "error" in facts]
     if options.json:
         counts = {"done": len(done) - len(failed), "failed": len(failed)}
-        printing.print_json({"files": done} | counts | {"interrupted": interrupted})
+        printing.print_json({"files": done} | counts | {"interrupted": len(done) < total})
         return
     rows = [
         (facts["in"], facts["method"], task.told(facts), f"{facts['seconds']:.2f}")
@@ -125,6 +120,6 @@ def _print(
     for facts in failed:
         reason = facts["error"].removeprefix(f"{facts['in']}: ")
         text = f"{facts['in']}: failed: {reason}"
-        print(printing.wrapped(text, "    "))
-    told = f"{len(rows)} of {len(done)} meshes written to {options.folder}"
+        print(printing.wrapped(text, "    ") if sys.stdout.isatty() else text)
+    told = f"{len(rows)} of {total} meshes written to {options.folder}"
     print(f"{told}; {len(failed)} failed" if failed else told)

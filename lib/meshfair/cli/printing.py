@@ -18,7 +18,7 @@ def beside(out: object) -> TextIO:
 
 
 def print_json(facts: Mapping[str, Any], to: TextIO | None = None) -> None:
-    """Print one JSON object; numbers that JSON does not have (NaN, infinite) become null."""
+    """Print one JSON object; of numbers that JSON has not, NaN is null, infinite ones are texts."""
     print(json.dumps(_plain(facts), indent=2, allow_nan=False), file=to)
 
 
@@ -31,7 +31,7 @@ def _plain(value: Any) -> Any:
     if hasattr(value, "tolist"):  # NumPy's arrays and numbers
         return _plain(value.tolist())
     if isinstance(value, float) and not math.isfinite(value):
-        return None
+        return None if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
     return value if isinstance(value, (str, int, float, bool, type(None))) else str(value)
 
 
@@ -57,10 +57,10 @@ def print_table(rows: Iterable[Sequence[Any]], to: TextIO | None = None) -> None
 
 def width() -> int:
     """How long lines may be: as wide as the terminal is, up to what is read well."""
-    return min(88, shutil.get_terminal_size((88, 1)).columns)
+    return min(88, shutil.get_terminal_size((80, 1)).columns)
 
 
-def wrapped(text: str, indent: str) -> str:
+def wrapped(text: str, indent: str = "") -> str:
     """A text in lines of `width`; names and numbers stay whole."""
     return textwrap.fill(
         text, width(), subsequent_indent=indent, break_long_words=False, break_on_hyphens=False

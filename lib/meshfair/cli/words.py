@@ -2,7 +2,8 @@
 
 import re
 
-# Calls and arguments that have a form on the command line.
+# What has a form on the command line, or is a noun there. Whole names only, since files have names
+# such as mesh.stl.
 PHRASES = {
     "fixed=mesh.boundary_vertices(F)": "--fix-boundary",
     'weights.cotangent(V, F, negative="clamp")': "clamped cotangent weights in Python",
@@ -11,17 +12,26 @@ PHRASES = {
     'parameters="auto"': "--auto",
     "weld=False": "--no-weld",
     "mesh.inspect": "meshfair info",
+    "mesh.repair": "meshfair repair",
     "noise.along_normals": "meshfair noise --model normals",
     "noise.gaussian": "meshfair noise --model gaussian",
     "noise.uniform": "meshfair noise --model uniform",
     "flow.heat": "denoise --method heat",
     "flow.average": "denoise --method averaging",
+    "weights.combinatorial": "--weights combinatorial",
+    "weights.distance": "--weights distance",
+    "weights.cotangent": "--weights cotangent",
+    "mesh.area": "the area",
+    "mesh.volume": "the volume",
+    "mesh.vertex_normals": "the vertex normals",
+    "metrics.normal_angle": "the normal angle",
     "metrics.snr": "the SNR",
+    "operators.mass": "the mass matrix",
+    "operators.diffusion": "diffusion",
 }
-_PHRASE = re.compile("|".join(re.escape(phrase) for phrase in PHRASES))
+_PHRASE = re.compile(rf"(?<![\w/.])({'|'.join(map(re.escape, PHRASES))})(?![\w/(]|\.\w)")
 _REPAIR = re.compile(r"mesh\.repair\(V, F((?:, \w+=[\w\".]+)*)\)")
 _KEYWORD = re.compile(r'(?<!--set )(?<![\w.-])(\w+)=("[\w-]+"|True|[\d.]+)')
-_NAME = re.compile(r"(?<!meshfair\.)\b(mesh|metrics|operators|weights)\.([a-z_]+)\b(?!\.)")
 # With what a message begins, where no option gives it.
 SUBJECTS = {
     "V": "the mesh",
@@ -29,7 +39,7 @@ SUBJECTS = {
     "V_true": "the ground truth",
     "displacement": "the noise",
 }
-_SUBJECT = re.compile(r"\A(V, F|\w+)(?= (?:is|has|holds|needs|scales) |: )")
+_SUBJECT = re.compile(r"\A(?:V, F|V)(?=: )|\A\w+(?= (?:is|has|holds|needs|scales) )")
 _STEP = re.compile(r"(?<=, so )(\w+)(?= would )|(?<=; give a smaller )(\w+)$")
 
 
@@ -51,9 +61,8 @@ def in_words_of_the_command(message: str, option_of: dict[str, str]) -> str:
         name, value = match.group(1), match.group(2).strip('"')
         return _option(option_of[name], value) if name in option_of else match.group()
 
-    message = _PHRASE.sub(lambda match: PHRASES[match.group()], message)
     message = _REPAIR.sub(_repair, message)
-    message = _NAME.sub(_noun, message)
+    message = _PHRASE.sub(lambda match: PHRASES[match.group()], message)
     message = _KEYWORD.sub(keyword, message)
     named = SUBJECTS | option_of
 
@@ -72,9 +81,3 @@ def _repair(match: re.Match[str]) -> str:
 
 def _option(name: str, value: str) -> str:
     return name if value == "True" else f"{name} {value}"
-
-
-def _noun(match: re.Match[str]) -> str:
-    """A function by what it computes: weights as an option has them, else a noun."""
-    module, name = match.groups()
-    return f"--weights {name}" if module == "weights" else f"the {name.replace('_', ' ')}"

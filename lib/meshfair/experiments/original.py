@@ -18,7 +18,7 @@ from scipy.sparse import csr_array
 from meshfair import flow, metrics
 from meshfair.checks import Floats, Integers, check_choice, needed_for
 from meshfair.experiments.meshes import load_noisy_mesh
-from meshfair.experiments.sweep import check_finished, sweep
+from meshfair.experiments.sweep import sweep
 from meshfair.operators import averaging
 from meshfair.weights import BY_NAME, distance
 
@@ -182,10 +182,8 @@ def table_1(
         ("uniform", "size", tuple(float(a) for a in amplitudes.values())),
         ("normals", "decibels", tuple(amplitudes)),
     ):
-        part = sweep(
-            {**common, "noise": noise, axis: values}, executor, path=path, progress=progress
-        )
-        check_finished(part)
+        grid = {**common, "noise": noise, axis: values}
+        part = sweep(grid, executor, path=path, progress=progress, failures="raise")
         by_value = dict(zip(values, amplitudes, strict=True))
         parts.append(part.assign(row=part[axis].map(by_value)))
     rows = pd.concat(parts)

@@ -13,8 +13,10 @@ from numpy.typing import ArrayLike
 from meshfair import denoising, noise
 from meshfair.checks import Floats, check_mesh
 from meshfair.explorers import worker
+from meshfair.explorers.controls import choice, size_slider
 from meshfair.explorers.curves import CurvePlot
-from meshfair.explorers.explorer import Explorer, Settings, choice, size_slider
+from meshfair.explorers.explorer import Explorer, Settings
+from meshfair.explorers.framing import Frame
 from meshfair.metrics import Measure, compare
 from meshfair.viewer import View, coloring
 
@@ -101,10 +103,7 @@ class FilterExplorer(Explorer):
             CurvePlot(title="SNR of the denoised mesh", x_label="iteration", y_label="dB"),
         ]
         self.table = widgets.HTML()
-        # Some methods take seconds: the progress stands where the choice was made.
-        self._begin(extra=[self._busy])
-        view, row, _ = self.widget.children
-        self.widget.children = (view, row, self._note, self.table)
+        self._begin(below=[self.table])
 
     def _work(self, job: worker.Job, settings: Settings) -> None:
         V, F = self._meshes[settings["mesh"]]
@@ -156,13 +155,19 @@ class FilterExplorer(Explorer):
         V, F = self._meshes[settings["mesh"]]
         V_noisy, before = self._start(settings)
         with self.view.together():
+            frame = Frame(self.view, [V, V_noisy], F)
             if self._shown is not None and self._shown[0] != settings["mesh"]:
-                self.view.look_at(V[np.unique(F)])
+                self.view.look_at(frame.V)
+            else:
+                self.view.refit(frame.V)
             self._shown = settings["mesh"], settings["size"]
-            self.view.update(V_noisy, panel=0, F=F, title=f"noisy: {_summary(before)}")
-            self.view.update(V_new, panel=1, F=F, title=title)
+            V_drawn, remark = frame.reduced(V_new)
             angles = coloring.normal_angle(V, F)(V_new)
-            self.view.update(V_new, panel=2, F=F, values=angles, title="where its normals are off")
+            self.view.update(V_noisy, panel=0, F=F, title=f"noisy: {_summary(before)}")
+            self.view.update(V_drawn, panel=1, F=F, title=title + remark)
+            self.view.update(
+                V_drawn, panel=2, F=F, values=angles, title="where its normals are off"
+            )
 
     def _show_metrics(
         self, compared: dict[str, Metrics], result: denoising.Denoised | None = None

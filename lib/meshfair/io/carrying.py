@@ -31,7 +31,7 @@ def carried(like: Attributes, V: Floats, F: Integers, ending: str) -> tuple[Extr
     message : str
         Empty where everything is kept.
     """
-    more: Extras = FORMATS[like.format].extras(like.data)
+    more: Extras = FORMATS[like.format].extras(like)
     if like.vertex is not None:
         more = replace(more, corners=like.vertex[more.corners])
     there = more.kinds()

@@ -7,9 +7,24 @@ from typing import BinaryIO, NamedTuple, TypeAlias
 
 from meshfair.io import obj, off, ply, stl
 from meshfair.io.errors import file_error
+from meshfair.io.grids import Grids
+from meshfair.io.scenes import Scenes
 
-FORMATS: dict[str, ModuleType] = {".obj": obj, ".off": off, ".ply": ply, ".stl": stl}
-"""The module of each format, by the ending of its files."""
+SCENES = frozenset(["colours", "opacity", "normals", "texture coordinates"])
+GRIDS = SCENES | {"polygons"}
+FORMATS: dict[str, ModuleType | Scenes | Grids] = {
+    ".obj": obj,
+    ".off": off,
+    ".ply": ply,
+    ".stl": stl,
+    ".glb": Scenes(".glb", SCENES),
+    ".gltf": Scenes(".gltf", SCENES),
+    ".3mf": Scenes(".3mf", frozenset()),
+    ".dae": Scenes(".dae", frozenset(["normals", "texture coordinates"])),
+    ".vtk": Grids(".vtk", GRIDS - {"texture coordinates"}),
+    ".vtu": Grids(".vtu", GRIDS),
+}
+"""What reads and writes each format, by the ending of its files."""
 
 File: TypeAlias = str | PathLike[str] | BinaryIO
 
@@ -21,8 +36,8 @@ class Format(NamedTuple):
     packed: bool
 
     @property
-    def module(self) -> ModuleType:
-        """What reads and writes the format."""
+    def module(self) -> ModuleType | Scenes | Grids:
+        """What reads and writes it."""
         return FORMATS[self.ending]
 
 

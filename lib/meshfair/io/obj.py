@@ -6,7 +6,7 @@ from typing import BinaryIO
 import numpy as np
 
 from meshfair.checks import Booleans, Floats, Integers
-from meshfair.io.attributes import Layout
+from meshfair.io.attributes import Attributes, Layout
 from meshfair.io.errors import file_error
 from meshfair.io.extras import Colors, Extras, bytes_of_fractions
 from meshfair.io.opening import check_content
@@ -100,7 +100,10 @@ def _named(lines: Lines, is_face: Booleans, is_named: Booleans, part: int) -> In
     """The texture coordinate (part 1) or the normal (part 2) of each corner, from 0; or -1."""
     faces = lines[is_face].without_letter()
     # With zeros for what is left out, the parts of all words are one array of numbers.
-    text = re.sub(rb"/+(?=\s)", b"", faces.codes.tobytes()).replace(b"//", b"/0/")
+    text = faces.codes.tobytes()
+    if np.any((faces.codes[:-1] == ord("/")) & is_blank(faces.codes[1:])):
+        text = re.sub(rb"/+(?=\s)", b"", text)
+    text = text.replace(b"//", b"/0/")
     codes = np.frombuffer(b"\n" + text, np.uint8)
     begin = np.flatnonzero(is_blank(codes[:-1]) & ~is_blank(codes[1:]))
     slash = np.flatnonzero(codes == ord("/"))
@@ -140,8 +143,9 @@ def is_binary(data: bytes) -> None:
     """No file is, so this is nothing to choose."""
 
 
-def extras(data: bytes) -> Extras:
+def extras(like: Attributes) -> Extras:
     """What a file that was read holds beside positions and faces."""
+    data = like.data
     text = _joined(normalised_text(data, comments=True))
     lines = Lines(text)
     is_face, is_texture = _starting(lines, b"f"), _starting(lines, b"vt")

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshfair.checks import Floats, Integers
-from meshfair.io.attributes import Layout
+from meshfair.io.attributes import Attributes, Layout
 from meshfair.io.errors import file_error, quoted
 from meshfair.io.extras import Extras, bytes_of_fractions, split_at_seams
 from meshfair.io.faces import spans
@@ -97,7 +97,9 @@ def _faces(lines: Lines) -> tuple[NDArray[Any], Integers]:
     numbers = lines.numbers(np.float64 if has_fractions else np.int64)
     starts, values = lines.starts(), lines.words - 1
     counts = numbers[starts]
-    fits = np.isin(values - counts, (0, 1, 3, 4))  # no colour, an index of one, RGB, RGBA
+    fits = (counts >= 0) & np.isin(
+        values - counts, (0, 1, 3, 4)
+    )  # no colour, an index of one, RGB, RGBA
     lines.require(fits, values, "values after the count of a face", "the count is another")
     counts = counts.astype(np.int64)
     return numbers[spans(starts + 1, counts)], counts
@@ -107,8 +109,9 @@ def is_binary(data: bytes) -> None:
     """No file is, so this is nothing to choose."""
 
 
-def extras(data: bytes) -> Extras:
+def extras(like: Attributes) -> Extras:
     """What a file that was read holds beside positions and faces."""
+    data = like.data
     text = normalised_text(data, comments=True)
     header = HEADER.match(text)
     assert header  # the file has been read

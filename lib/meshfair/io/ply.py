@@ -16,10 +16,10 @@ from meshfair.io.extras import Extras
 from meshfair.io.opening import check_content
 from meshfair.io.ply_extras import COLOR, NORMAL, TEXTURE, extras
 from meshfair.io.ply_header import names_of_faces, read_header
-from meshfair.io.ply_rows import polygons, read_tables, rows_of_text
+from meshfair.io.ply_rows import polygons, read_tables, rows_of_text, words_of_vertices
 from meshfair.io.ply_writing import Columns, Lists, encode_file
 from meshfair.io.splicing import Places
-from meshfair.io.text import normalised_text, words_of
+from meshfair.io.text import Lines, normalised_text, words_of
 from meshfair.mesh import vertex_normals
 
 __all__ = ["HOLDS", "encode", "extras", "is_binary", "layout", "parse"]
@@ -57,14 +57,17 @@ def is_binary(data: bytes) -> bool:
 def layout(data: bytes) -> Layout:
     """Where positions and normals are in a file that was read."""
     order, elements, at = read_header(data)
-    table = read_tables(data, order, elements, at)["vertex"]
-    words = None if order else words_of(rows_of_text(data, at))
     properties = {p.name: p for e in elements if e.name == "vertex" for p in e.properties}
+    if order:
+        table = read_tables(data, order, elements, at)["vertex"]
+    else:
+        rows = rows_of_text(data, at)
+        words, which = words_of(rows), words_of_vertices(Lines(rows), elements)
 
     def places(names: Sequence[str]) -> list[Places]:
-        if words:
-            return [Places.of_words(words, table[n].at, properties[n].dtype) for n in names]
-        return [Places(table[n].at, dtype=table[n].values.dtype) for n in names]
+        if order:
+            return [Places(table[n].starts, dtype=table[n].table.dtype) for n in names]
+        return [Places.of_words(words, which[n], properties[n].dtype) for n in names]
 
     found = [properties[name] for name in NORMAL if name in properties]
     has_normals = len(found) == 3 and all(p.dtype.kind == "f" and not p.length for p in found)

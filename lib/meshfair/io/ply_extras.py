@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from meshfair.checks import Floats, Integers
+from meshfair.io.attributes import Attributes
 from meshfair.io.extras import Colors, Extras, bytes_of_fractions
 from meshfair.io.ply_header import names_of_faces, read_header
 from meshfair.io.ply_rows import Property, Table, polygons, read_tables
@@ -20,8 +21,9 @@ COLORS = (
 )
 
 
-def extras(data: bytes) -> Extras:
+def extras(like: Attributes) -> Extras:
     """What a file that was read holds beside positions and faces."""
+    data = like.data
     order, elements, at = read_header(data)
     tables = read_tables(data, order, elements, at)
     element, name = names_of_faces(elements)

@@ -1,6 +1,7 @@
 """The rows of a PLY file, text or binary, as tables."""
 
 import re
+from collections.abc import Iterator
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -35,9 +36,20 @@ class Element(NamedTuple):
 class Column(NamedTuple):
     """The values of a property in all rows, one after another."""
 
-    values: NDArray[Any]
+    table: NDArray[Any]  # of any shape: what nobody asks for is not copied
     lengths: Integers  # how many each row has
-    at: Integers  # where those of each row begin: which word of the rows, or which byte
+    at: Integers | range  # where those of each row begin: which word of the rows, or which byte
+
+    @property
+    def values(self) -> NDArray[Any]:
+        """The values in one dimension."""
+        return self.table.ravel()
+
+    @property
+    def starts(self) -> Integers:
+        """What ``at`` says, as an array."""
+        at = self.at
+        return np.arange(at.start, at.stop, at.step) if isinstance(at, range) else at
 
 
 Table: TypeAlias = dict[str, Column]
@@ -84,8 +96,23 @@ def _strips(corners: Floats, counts: Integers) -> tuple[Floats, Integers]:
     return triangles.ravel(), np.full(len(triangles), 3)
 
 
+def words_of_vertices(lines: Lines, elements: list[Element]) -> dict[str, Integers]:
+    """Which word of the rows each number of the vertices is, by property."""
+    element, rows, word = next(p for p in _text_parts(lines, elements) if p[0].name == "vertex")
+    if any(p.length is not None for p in element.properties):
+        return {name: column.starts for name, column in _text_table(rows, element, word).items()}
+    first = rows.starts() + word
+    return {p.name: first + k for k, p in enumerate(element.properties)}
+
+
 def _text_tables(lines: Lines, elements: list[Element]) -> dict[str, Table]:
     """The table of each element, from one line for each row."""
+    parts = _text_parts(lines, elements)
+    return {element.name: _text_table(rows, element, word) for element, rows, word in parts}
+
+
+def _text_parts(lines: Lines, elements: list[Element]) -> Iterator[tuple[Element, Lines, int]]:
+    """Each element, one line for each of its rows, and which word is the first of these."""
     lines = lines.as_rows(
         [(e.rows, [p.length is not None for p in e.properties]) for e in elements]
     )
@@ -94,14 +121,12 @@ def _text_tables(lines: Lines, elements: list[Element]) -> dict[str, Table]:
             f"{element.rows} rows of element {element.name!r}" for element in elements
         )
         raise file_error("header", f"{announced} announced", f"{len(lines)} lines follow")
-    tables: dict[str, Table] = {}
     row, word = 0, 0
     for element in elements:
         rows = lines[row : row + element.rows]
-        tables[element.name] = _text_table(rows, element, word)
+        yield element, rows, word
         row += element.rows
-        word += rows.words.sum()
-    return tables
+        word += int(rows.words.sum())
 
 
 def _text_table(lines: Lines, element: Element, word: int) -> Table:
@@ -171,10 +196,13 @@ def _rows_alike(
     lists = [p.name for p in element.properties if p.length is not None]
     if any(np.any(rows[f"length of {name}"] != length_of[name]) for name in lists):
         return None
-    starts = at + np.arange(len(rows)) * layout.itemsize
     offsets = {name: offset for name, (_, offset, *_) in (layout.fields or {}).items()}
     table = {
-        name: Column(rows[name].ravel(), np.full(len(rows), n), starts + offsets[name])
+        name: Column(
+            rows[name],
+            np.full(len(rows), n),
+            range(at + offsets[name], end + offsets[name], layout.itemsize),
+        )
         for name, n in length_of.items()
     }
     return table, end

@@ -34,7 +34,7 @@ class Columns(NamedTuple):
     @property
     def packed(self) -> NDArray[Any]:
         """The numbers in their type."""
-        return self.values.astype(TYPES[self.type].newbyteorder("<"))
+        return np.ascontiguousarray(self.values, TYPES[self.type].newbyteorder("<"))
 
 
 class Lists(NamedTuple):
@@ -79,11 +79,11 @@ def encode_file(
     header = [f"ply\nformat {'binary_little_endian' if binary else 'ascii'} 1.0\n{comment}"]
     header += [f"element vertex {len(vertices[0].values)}\n", *(part.header for part in vertices)]
     header += [f"element face {len(corners.lengths)}\n", *(part.header for part in faces)]
-    encode = _binary if binary else _text
-    return "".join([*header, "end_header\n"]).encode() + encode(vertices, faces)
+    rows = _binary(vertices, faces) if binary else _text(vertices, faces)
+    return b"".join(["".join([*header, "end_header\n"]).encode(), *rows])
 
 
-def _binary(vertices: Sequence[Columns], faces: Sequence[Columns | Lists]) -> bytes:
+def _binary(vertices: Sequence[Columns], faces: Sequence[Columns | Lists]) -> list[NDArray[Any]]:
     parts: list[tuple[NDArray[Any], Integers]] = []  # numbers, and how many bytes each row has
     for part in faces:
         if isinstance(part, Columns):
@@ -94,36 +94,37 @@ def _binary(vertices: Sequence[Columns], faces: Sequence[Columns | Lists]) -> by
             parts.append((lengths, np.full(len(lengths), lengths.itemsize)))
             parts.append((values, values.itemsize * part.lengths))
     sizes = np.column_stack([size for _, size in parts])
-    return _side_by_side([part.packed for part in vertices]) + _interleaved(
-        [values for values, _ in parts], sizes
-    )
+    if np.all(sizes == sizes[0]):
+        rows = _side_by_side([values.reshape(len(sizes), -1) for values, _ in parts])
+    else:
+        rows = _interleaved([values for values, _ in parts], sizes)
+    return [_side_by_side([part.packed for part in vertices]), rows]
 
 
-def _side_by_side(tables: Sequence[NDArray[Any]]) -> bytes:
+def _side_by_side(tables: Sequence[NDArray[Any]]) -> NDArray[Any]:
+    if len(tables) == 1:
+        return tables[0]
     rows = np.empty(len(tables[0]), [(str(k), t.dtype, t.shape[1:]) for k, t in enumerate(tables)])
     for k, table in enumerate(tables):
         rows[str(k)] = table
-    return rows.tobytes()
+    return rows
 
 
-def _interleaved(columns: Sequence[NDArray[Any]], sizes: Integers) -> bytes:
+def _interleaved(columns: Sequence[NDArray[Any]], sizes: Integers) -> NDArray[np.uint8]:
     """Rows that have from each column so many bytes, shape (rows, columns)."""
-    if np.all(sizes == sizes[0]):
-        tables = [column.reshape(len(sizes), -1) for column in columns]
-        return _side_by_side(tables)
     begins = np.cumsum(sizes.ravel()).reshape(sizes.shape) - sizes
     rows = np.empty(sizes.sum(), np.uint8)
     for k, column in enumerate(columns):
         rows[spans(begins[:, k], sizes[:, k])] = column.ravel().view(np.uint8)
-    return rows.tobytes()
+    return rows
 
 
-def _text(vertices: Sequence[Columns], faces: Sequence[Columns | Lists]) -> bytes:
+def _text(vertices: Sequence[Columns], faces: Sequence[Columns | Lists]) -> list[bytes]:
     pattern = " ".join(part.pattern for part in vertices)
     data = encode_rows(f"{pattern}\n", np.column_stack([part.values for part in vertices]))
     (corners, *more) = faces
     if isinstance(corners, Lists) and not more and np.all(corners.lengths == 3):
-        return data + encode_rows("3 %d %d %d\n", corners.values.reshape(-1, 3))
+        return [data, encode_rows("3 %d %d %d\n", corners.values.reshape(-1, 3))]
     columns: list[Ragged] = []
     for part in faces:
         if isinstance(part, Columns):
@@ -132,4 +133,4 @@ def _text(vertices: Sequence[Columns], faces: Sequence[Columns | Lists]) -> byte
         else:
             columns.append((part.lengths, np.ones(len(part.lengths), np.int64)))
             columns.append((part.values, part.lengths))
-    return data + encode_ragged(*columns)
+    return [data, encode_ragged(*columns)]

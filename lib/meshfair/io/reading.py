@@ -42,8 +42,9 @@ def read(
     Parameters
     ----------
     path : str, os.PathLike or binary stream
-        A regular file ending in .obj, .off, .ply or .stl, or in one of these
-        and .gz; upper case is the same. Or an open file, such as
+        A regular file ending in .obj, .off, .ply or .stl; with the extra
+        ``formats`` also in .glb, .gltf, .3mf, .dae, .vtk or .vtu; or in one of
+        these and .gz. Upper case is the same. Or an open file, such as
         ``sys.stdin.buffer``; this needs `format`.
     weld : bool
         Merge the vertices of an STL file that have equal coordinates. This
@@ -60,7 +61,8 @@ def read(
         Vertex positions, in the file's units and order, used by a face or not.
     F : ndarray of int64, shape (m, 3)
         Vertex indices of the triangles, from 0, in the file's order. Faces of
-        more corners are cut into triangles, and a `MeshWarning` says so.
+        more corners are cut into triangles of their area, and a `MeshWarning`
+        says so, as it does where several meshes of a scene are read as one.
     attributes : Attributes
         Only where asked for.
 
@@ -69,6 +71,8 @@ def read(
     MeshFileError, MeshError
         No mesh, or one that is cut or damaged: the message has the file, the
         place in it, what is there, what should be, and what to do.
+    NotInstalledError
+        A format whose library is missing; the message says what to install.
     """
     name = name_of(path)
     try:
@@ -76,8 +80,10 @@ def read(
         # A float32 that is NaN may warn when it is widened; it is refused below.
         with _opened(path) as file, np.errstate(invalid="ignore"):
             stream = decompressed(file) if found.packed else file
-            data = stream.read() if attributes else b""
-            V, corners, counts = found.module.parse(io.BytesIO(data) if attributes else stream)
+            if attributes:
+                stream = _Bytes(stream.read())
+                stream.name, data = name, stream.getvalue()
+            V, corners, counts, *notes = found.module.parse(stream)
         V = check_vertices(V, name)
         check_corners(corners, counts, len(V))
     except MeshFileError as error:
@@ -86,8 +92,8 @@ def read(
         raise MeshFileError(f"{name}: reading failed ({error.strerror}); check the disk") from None
     corners = corners.astype(np.int64)
     triangles, told = cut(V, corners, counts)
-    if told:
-        warnings.warn(f"{name}: {told}", MeshWarning, stacklevel=2)
+    for note in filter(None, [*notes, told]):
+        warnings.warn(f"{name}: {note}", MeshWarning, stacklevel=2)
     F = corners.reshape(-1, 3) if triangles is None else corners[triangles]
     vertex = None
     if found.module is stl and weld:
@@ -97,6 +103,12 @@ def read(
     if not attributes:
         return V, F
     return V, F, Attributes(name, found.ending, data, V.copy(), F.copy(), triangles, vertex)
+
+
+class _Bytes(io.BytesIO):
+    """The bytes of a file that may name others beside it."""
+
+    name = ""
 
 
 def _opened(file: File) -> BinaryIO:

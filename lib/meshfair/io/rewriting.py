@@ -9,11 +9,12 @@ from meshfair.io.attributes import Attributes, Layout
 from meshfair.io.faces import spans
 from meshfair.io.normals import renewed
 from meshfair.io.precision import check_single
-from meshfair.io.splicing import Change, Edit, Places, edit, put, spliced, word
+from meshfair.io.splicing import Change, Places, put, rewritten_words, spliced, widened, word
 from meshfair.io.text import parse_numbers
 from meshfair.mesh import face_normals
 
-DIGITS = 9  # of normals in text: a float32 has no more
+# How numbers are written as text, so that they read back the same; a normal is a float32.
+EXACT, WHOLE, NORMAL = "%r", "%d", "%.9g"
 
 
 def rewritten(attributes: Attributes, layout: Layout, V: Floats) -> tuple[bytes, Floats]:
@@ -45,29 +46,35 @@ def rewritten(attributes: Attributes, layout: Layout, V: Floats) -> tuple[bytes,
     if all(change.fits() for change in positions):
         coarsest = min(layout.positions, key=lambda places: places.dtype.itemsize)
         stored = np.where(moved, coarsest.stored(V), V)
-        return _written(attributes.data, positions + normals, []), stored
+        return _written(attributes.data, positions + normals), stored
     if not layout.types:
         check_single(V)
+    edits = [word(place, b"double") for place in layout.types]
     if layout.positions[0].size is None:  # all rows get longer
-        positions = [change._replace(chosen=np.ones_like(change.chosen)) for change in positions]
-    widened = [edit(change, layout.double) for change in positions]
-    widened += [word(place, b"double") for place in layout.types]
-    return _written(attributes.data, normals, widened), V
+        data = _written(attributes.data, normals)
+        everywhere = np.ones(len(V), bool)
+        edits += [widened(c._replace(chosen=everywhere), layout.double) for c in positions]
+    else:
+        positions = [change._replace(pattern=EXACT) for change in positions]
+        data = _written(attributes.data, positions + normals)
+    return spliced(data, edits), V
 
 
 def _changes(columns: Sequence[Places], values: Floats, chosen: Booleans) -> list[Change]:
     shape = -1, len(columns)
     parts = zip(columns, values.reshape(shape).T, chosen.reshape(shape).T, strict=True)
-    return [Change(*part) for part in parts]
+    return [Change(*part, EXACT if part[0].dtype.kind == "f" else WHOLE) for part in parts]
 
 
-def _written(data: bytes, changes: list[Change], edits: list[Edit]) -> bytes:
-    in_place = [change for change in changes if change.places.size is None]
-    edits = edits + [edit(change) for change in changes if change.places.size is not None]
+def _written(data: bytes, changes: list[Change]) -> bytes:
+    if not changes:
+        return data
+    if changes[0].places.size is not None:
+        return rewritten_words(data, changes)
     copy = bytearray(data)
-    for change in in_place:
+    for change in changes:
         put(copy, change)
-    return spliced(copy, edits) if edits else bytes(copy)
+    return bytes(copy)
 
 
 def _normals(attributes: Attributes, layout: Layout, V: Floats, moved: Booleans) -> list[Change]:
@@ -78,9 +85,8 @@ def _normals(attributes: Attributes, layout: Layout, V: Floats, moved: Booleans)
         old = np.column_stack([_numbers(attributes.data, places) for places in layout.normals])
         row = F if layout.normal_of is None else attributes.of_corners(layout.normal_of)
         normals, changed = renewed(attributes.V, V, F, row, old)
-    if layout.normals[0].size is not None:
-        normals = np.round(normals, DIGITS)
-    return _changes(layout.normals, normals, np.column_stack(3 * [changed]))
+    changes = _changes(layout.normals, normals, np.column_stack(3 * [changed]))
+    return [change._replace(pattern=NORMAL) for change in changes]
 
 
 def _numbers(data: bytes, places: Places) -> Floats:

@@ -5,10 +5,8 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from meshfair.checks import Booleans, Floats, Integers
-from meshfair.io.faces import spans
 
 DOUBLE: np.dtype[Any] = np.dtype(np.float64)
 
@@ -52,13 +50,14 @@ class Change(NamedTuple):
     places: Places
     values: Floats
     chosen: Booleans
+    pattern: str  # as which they are written in a text
 
     def fits(self) -> bool:
         """Whether the type can hold the values, rounded where it is one of fractions."""
+        if self.places.dtype.kind == "f":
+            return bool(np.abs(self.values).max() <= np.finfo(self.places.dtype).max)
         values = self.values[self.chosen]
-        stored = self.places.stored(values)
-        is_float = self.places.dtype.kind == "f"
-        return bool(np.all(np.isfinite(stored) if is_float else stored == values))
+        return bool(np.all(self.places.stored(values) == values))
 
 
 class Edit(NamedTuple):
@@ -66,32 +65,69 @@ class Edit(NamedTuple):
 
     at: Integers
     size: Integers
-    codes: NDArray[np.uint8]
-    new_size: Integers
+    new: list[bytes]
 
 
-def edit(change: Change, double: np.dtype[Any] = DOUBLE) -> Edit:
-    """The replacement of numbers by ones of any length: text, or this double precision."""
-    places = change.places
-    at, values = places.at[change.chosen], change.values[change.chosen]
-    if places.size is not None:
-        codes = np.frombuffer(("%r " * len(values) % tuple(values.tolist())).encode(), np.uint8)
-        blank = codes == 32
-        new_size = np.diff(np.flatnonzero(blank), prepend=-1) - 1
-        return Edit(at, places.size[change.chosen], codes[~blank], new_size)
-    old_size, new_size = (np.full(len(at), dtype.itemsize) for dtype in (places.dtype, double))
-    return Edit(at, old_size, values.astype(double).view(np.uint8), new_size)
+def widened(change: Change, double: np.dtype[Any]) -> Edit:
+    """The replacement of binary numbers by ones of double precision."""
+    data, size = change.values[change.chosen].astype(double).tobytes(), double.itemsize
+    new = [data[k : k + size] for k in range(0, len(data), size)]
+    at = change.places.at[change.chosen]
+    return Edit(at, np.full(len(at), change.places.dtype.itemsize), new)
 
 
 def word(place: Places, new: bytes) -> Edit:
     """The replacement of one word of a text."""
     assert place.size is not None
-    return Edit(place.at, place.size, np.frombuffer(new, np.uint8), np.array([len(new)]))
+    return Edit(place.at, place.size, [new])
+
+
+def spliced(data: bytes, edits: Sequence[Edit]) -> bytes:
+    """The bytes with all pieces replaced; these stand in any order and do not overlap."""
+    parts, end = [], 0
+    for at, size, new in sorted(piece for edit in edits for piece in zip(*edit, strict=True)):
+        parts += [data[end:at], new]
+        end = at + size
+    return b"".join([*parts, data[end:]])
+
+
+def rewritten_words(data: bytes, changes: Sequence[Change]) -> bytes:
+    """A text with other numbers, written as each change says."""
+    words = [
+        (places.at[chosen], places.size[chosen], values[chosen], np.full(chosen.sum(), kind))
+        for kind, (places, values, chosen, _) in enumerate(changes)
+        if places.size is not None
+    ]
+    at, size, values, kind = (np.concatenate(parts) for parts in zip(*words, strict=True))
+    order = np.argsort(at, kind="stable")
+    at, size, values, kind = at[order], size[order], values[order], kind[order]
+    # The text becomes a pattern: one %r, say, for each number, and %% for each percent sign.
+    codes = np.frombuffer(data, np.uint8)
+    at += np.searchsorted(np.flatnonzero(codes == ord("%")), at)
+    codes = np.frombuffer(data.replace(b"%", b"%%"), np.uint8)
+    new_size = np.array([len(change.pattern) for change in changes])[kind]
+    gaps = np.diff(at, prepend=0) - np.append(0, size[:-1])
+    last = len(codes) - at[-1] - size[-1]
+    is_kept, is_old = (
+        np.repeat(
+            np.append(np.tile([True, False], len(at)), True),
+            np.append(np.column_stack([gaps, sizes]).ravel(), last),
+        )
+        for sizes in (size, new_size)
+    )
+    pattern = np.empty(len(is_old), np.uint8)
+    pattern[is_old] = codes[is_kept]
+    begin = np.cumsum(gaps + new_size) - new_size
+    for number, change in enumerate(changes):
+        for k, letter in enumerate(change.pattern.encode()):
+            pattern[begin[kind == number] + k] = letter
+    text = pattern.tobytes().decode("latin-1") % tuple(values.tolist())
+    return text.encode("latin-1")
 
 
 def put(data: bytearray, change: Change) -> None:
     """Write binary numbers in place."""
-    places, values, chosen = change
+    places, values, chosen, _ = change
     stride = int(places.at[1] - places.at[0]) if len(places.at) > 1 else 0
     if np.all(places.at[1:] - places.at[:-1] == stride):
         column = np.ndarray(len(values), places.dtype, data, int(places.at[0]), (stride,))
@@ -100,22 +136,3 @@ def put(data: bytearray, change: Change) -> None:
         where = places.at[chosen, None] + np.arange(places.dtype.itemsize)
         bytes_of = values[chosen].astype(places.dtype).view(np.uint8)
         np.frombuffer(data, np.uint8)[where.ravel()] = bytes_of
-
-
-def spliced(data: bytes | bytearray, edits: Sequence[Edit]) -> bytes:
-    """The bytes with all pieces replaced; these stand in any order and do not overlap."""
-    at, size, new_size = (np.concatenate([edit[k] for edit in edits]) for k in (0, 1, 3))
-    codes = np.concatenate([edit.codes for edit in edits])
-    order = np.argsort(at, kind="stable")
-    codes = codes[spans((np.cumsum(new_size) - new_size)[order], new_size[order])]
-    at, size, new_size = at[order], size[order], new_size[order]
-    old = np.frombuffer(data, np.uint8)
-    kept = np.ones(len(old), bool)
-    kept[spans(at, size)] = False
-    grown = np.cumsum(new_size - size)
-    is_new = np.zeros(len(old) + (grown[-1] if len(grown) else 0), bool)
-    is_new[spans(at + grown - (new_size - size), new_size)] = True
-    result = np.empty(len(is_new), np.uint8)
-    result[is_new] = codes
-    result[~is_new] = old[kept]
-    return result.tobytes()

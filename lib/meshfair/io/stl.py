@@ -8,7 +8,7 @@ import numpy as np
 
 from meshfair.checks import Floats, Integers
 from meshfair.io import text
-from meshfair.io.attributes import Layout
+from meshfair.io.attributes import Attributes, Layout
 from meshfair.io.errors import file_error, quoted
 from meshfair.io.extras import Extras
 from meshfair.io.opening import check_content
@@ -23,10 +23,12 @@ RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute
 SOLID = re.compile(rb"\s*solid\b[^\n]*")
 FACET = re.compile(
     # The normal follows from the corners, and is often NaN where there is no area.
-    rb"\s*facet\s+normal\s+(\S+\s+\S+\s+\S+)\s+outer\s+loop"
+    rb"\s*facet\s+normal\s+\S+\s+\S+\s+\S+\s+outer\s+loop"
     + 3 * rb"\s+vertex\s+(\S+\s+\S+\s+\S+)"
     + rb"\s+endloop\s+endfacet\b"
 )
+# The words of a facet, and which of them are its normal and its corners.
+WORDS, NUMBERS = 21, (2, 3, 4, 8, 9, 10, 12, 13, 14, 16, 17, 18)
 END = re.compile(rb"\s*end ?solid\b[^\n]*")
 NOTHING = re.compile(rb"\s*\Z")
 
@@ -66,14 +68,14 @@ def layout(data: bytes) -> Layout:
     else:
         lower = _normalised(data)
         words = text.words_of(lower)
-        begins = [facet.start(k) - 1 for facet in _facets(lower) for k in range(1, 5)]
-        first = np.searchsorted(words[0], np.array(begins).reshape(-1, 4))
-        columns = [Places.of_words(words, first[:, k // 3] + k % 3) for k in range(12)]
+        first = _first_words(lower, words[0])
+        columns = [Places.of_words(words, first + k) for k in NUMBERS]
     return Layout(columns[3:], columns[:3], by_face=True)
 
 
-def extras(data: bytes) -> Extras:
+def extras(like: Attributes) -> Extras:
     """What a file that was read holds beside positions: the colours of its triangles."""
+    data = like.data
     others: tuple[str, ...] = ()
     colors = None
     if is_binary(data):
@@ -92,6 +94,18 @@ def extras(data: bytes) -> Extras:
         m = sum(1 for _ in _facets(lower))
         others = ("solids",) if lower.count(b"endsolid") > 1 else ()
     return Extras(np.arange(3 * m), np.full(m, 3), face_colors=colors, others=others)
+
+
+def _first_words(data: bytes, begin: Integers) -> Integers:
+    """Which words of a text that was read the facets of all solids begin with."""
+    codes, facets, at = np.frombuffer(data, np.uint8)[1:], [], 0
+    while at < len(begin):
+        at = int(np.searchsorted(begin, data.find(b"\n", begin[at] + 1)))  # behind solid NAME
+        number = int(np.argmin(np.append(codes[begin[at::WORDS]] == ord("f"), False)))
+        facets.append(at + WORDS * np.arange(number))
+        at += WORDS * number
+        at = int(np.searchsorted(begin, data.find(b"\n", begin[at] + 1)))
+    return np.concatenate(facets)
 
 
 def _normalised(data: bytes) -> bytes:
@@ -113,7 +127,7 @@ def _corners(data: bytes) -> Floats:
     """The positions in a text of lower case."""
     corners: list[bytes] = []
     for facet in _facets(data):
-        corners += facet.groups()[1:]
+        corners += facet.groups()
     V = text.parse_numbers(b" ".join(corners), np.float64, 3 * len(corners))
     if V is None:
         k = next(k for k, c in enumerate(corners) if text.parse_numbers(c, np.float64, 3) is None)

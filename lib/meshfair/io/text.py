@@ -61,6 +61,8 @@ def parse_numbers(text: bytes, dtype: type, size: int) -> NDArray[Any] | None:
     """The numbers of a text, or None if it is not exactly ``size`` of them between blanks."""
     if not size:
         return np.empty(0, dtype)  # np.fromstring finds a number where there is none
+    if text.rstrip()[-1:] in (b"+", b"-"):  # it takes a last sign alone for an integer zero
+        return None
     with warnings.catch_warnings():
         # NumPy before 2.3 only warns of a word that is no number.
         warnings.simplefilter("error", DeprecationWarning)

@@ -4,6 +4,7 @@ import gzip
 import warnings
 from os import PathLike
 from pathlib import Path
+from types import ModuleType
 
 from numpy.typing import ArrayLike
 
@@ -30,7 +31,8 @@ def write(
     """Write a triangle mesh; after any failure the old file or the new one is whole.
 
     Coordinates come back from `read` bit by bit, except where a file holds them in
-    float32: a binary STL does, and a PLY may that is written like another.
+    float32: a binary STL, glTF and Collada do, and others may that are written like
+    a file that does. Where this harms the mesh, a `MeshWarning` says so.
 
     Parameters
     ----------
@@ -46,9 +48,11 @@ def write(
         default as the file that it is written like, else in binary.
     like : Attributes, str or os.PathLike, optional
         The file that the mesh was read from, or what `read` returned for it with
-        ``attributes=True``. In the same format everything but the positions stays
-        as it is there, byte for byte, and normals are computed anew. In another
-        one what it can hold is kept, and a `MeshWarning` says what is not.
+        ``attributes=True``. In OBJ, OFF, PLY, STL and VTK everything but the
+        positions stays as it is there, byte for byte, and normals are computed
+        anew; in the other formats it is written anew. In another format than the
+        file's, or for other faces, what can be is kept, and a `MeshWarning` says
+        what is not.
     format : str, optional
         The format, such as ``"ply"`` or ``"obj.gz"``, whatever the ending is.
 
@@ -58,6 +62,8 @@ def write(
         Arrays that are no mesh; see `meshfair.checks.check_mesh`.
     MeshFileError
         An unknown ending, or a file that cannot be written.
+    NotInstalledError
+        A format whose library is missing; the message says what to install.
     """
     name = name_of(path)
     V, F = check_mesh(V, F)
@@ -86,7 +92,10 @@ def _encoded(
     if like and like.format == ending:
         was_binary = module.is_binary(like.data)
         if like.fits(V, F) and (binary is None or was_binary in (None, binary)):
-            data, stored = rewritten(like, module.layout(like.data), V)
+            if isinstance(module, ModuleType):
+                data, stored = rewritten(like, module.layout(like.data), V)
+            else:
+                data, stored = module.rewritten(like, V)
             return data, _sentences(loss(V, F, stored))
         binary = was_binary if binary is None else binary
     if like:

@@ -202,3 +202,24 @@ class Camera:
         factor = check_number(factor, "factor", 0, open_low=True)
         offset = np.subtract(self.position, self.target)
         return Camera(_point(self.target + factor * offset), self.target, self.up)
+
+    def follow(self, before: Camera, after: Camera) -> Camera:
+        """See as much of what another camera sees now as this one saw of what it saw before.
+
+        Parameters
+        ----------
+        before, after : Camera
+            The other camera: where this one stands to it, and at what scale, stays.
+
+        Returns
+        -------
+        Camera
+        """
+        size = np.linalg.norm(np.subtract(after.position, after.target)) / np.linalg.norm(
+            np.subtract(before.position, before.target)
+        )
+        position, target = (
+            after.target + size * np.subtract(point, before.target)
+            for point in (self.position, self.target)
+        )
+        return Camera(_point(position), _point(target), self.up)

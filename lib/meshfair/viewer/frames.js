@@ -11,7 +11,7 @@
 const RETRY = 3000; // ms until a first frame that did not come is asked for again
 const REST = 250; // ms without a new frame until good frames are asked for
 const SCROLL = 400; // ms within which a wheel goes on scrolling the page
-const HINT = "drag to turn · shift-drag to move · wheel to zoom";
+const HINT = "drag or arrow keys: turn · shift-drag: move · wheel or + -: zoom · R: reset";
 
 function element(name, className, parent) {
   const node = document.createElement(name);
@@ -30,29 +30,21 @@ function pause(milliseconds) {
   return new Promise((resolve) => setTimeout(resolve, milliseconds));
 }
 
-/** A number for people: three digits that count. */
-function tidy(number) {
-  if (!Number.isFinite(number)) return "?";
-  const size = Math.abs(number);
-  if (size !== 0 && (size < 1e-3 || size >= 1e5)) return number.toExponential(1);
-  return String(Number(number.toPrecision(3)));
-}
-
 class Bar {
   constructor(parent) {
     this.node = element("span", "bar", parent);
+    this.label = element("span", "label", this.node);
     this.low = element("span", "low", this.node);
     this.colours = element("i", "", this.node);
     this.high = element("span", "high", this.node);
-    this.label = element("span", "label", this.node);
     this.show(null);
   }
 
   show(bar) {
     this.node.hidden = !bar;
     if (!bar) return;
-    this.low.textContent = tidy(bar.low);
-    this.high.textContent = tidy(bar.high);
+    this.low.textContent = bar.low;
+    this.high.textContent = bar.high;
     this.label.textContent = bar.label;
     this.colours.style.background = `linear-gradient(to right, ${bar.stops.join(",")})`;
   }

@@ -65,7 +65,7 @@ class Frames:
             self._wanted.update(dict.fromkeys(panels, DRAFT))
         self._pump()
 
-    def camera_moved(self) -> None:
+    def camera_moved(self, panels: Iterable[int] = ()) -> None:
         """Draw all panels again."""
         self.refresh(range(len(self._view.placed)))
 
@@ -86,6 +86,10 @@ class Frames:
             self._pump()
         elif kind == "reset":
             self._view.reset()
+        elif kind == "click":
+            self._view.click(message["panel"], message["x"], message["y"])
+        elif kind == "ping":
+            self.widget.send({"kind": "pong"})
         elif kind == "move":
             camera = self._view.camera.orbit(message["yaw"], message["pitch"], self._view.up)
             self._view.camera = camera.pan(*message["pan"]).zoom(message["zoom"])

@@ -66,8 +66,9 @@ class InPage:
             self._meshes[k] = drawn(panel, scale)
             self._plots[k] += self._meshes[k]
 
-    def camera_moved(self) -> None:
-        """Point the plots' camera as the view's."""
+    def camera_moved(self, panels: Iterable[int] = ()) -> None:
+        """Point the plots' camera as the view's, and show some panels of now."""
+        self.refresh(panels)
         place = pose(self._view.placed_camera)
         for plot in self._plots:
             plot.camera = place
@@ -78,6 +79,7 @@ def plot() -> Any:
     return k3d.plot(
         height=HEIGHT,
         grid_visible=False,
+        background_color=-1,  # the page's own, in both themes
         menu_visibility=False,
         camera_auto_fit=False,
         camera_fov=FIELD_OF_VIEW,
@@ -129,4 +131,5 @@ def bar(scale: Scale, label: str) -> str:
     """The colour bar as HTML."""
     look = f"linear-gradient(to right, {', '.join(scale.stops())}); width: 130px; height: 10px"
     colours = f'<i style="display: inline-block; background: {look}"></i>'
-    return f"{scale.low:.3g} {colours} {scale.high:.3g} {html.escape(label)}"
+    low, high = map(html.escape, scale.ends())
+    return f"{html.escape(label)} &ensp; {low} {colours} {high}"

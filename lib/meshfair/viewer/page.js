@@ -32,19 +32,12 @@ async function library() {
   return k3d;
 }
 
-/** A number for people: three digits that count. */
-function tidy(number) {
-  const size = Math.abs(number);
-  if (size !== 0 && (size < 1e-3 || size >= 1e5)) return number.toExponential(1);
-  return String(Number(number.toPrecision(3)));
-}
-
 function showBar({ label, low, high, stops }, parent) {
   const bar = element("span", "bar", parent);
-  element("span", "low", bar).textContent = tidy(low);
-  element("i", "", bar).style.background = `linear-gradient(to right, ${stops.join(",")})`;
-  element("span", "high", bar).textContent = tidy(high);
   element("span", "label", bar).textContent = label;
+  element("span", "low", bar).textContent = low;
+  element("i", "", bar).style.background = `linear-gradient(to right, ${stops.join(",")})`;
+  element("span", "high", bar).textContent = high;
 }
 
 /** The camera for square panels, farther away where they are higher than wide. */

@@ -96,7 +96,8 @@ def write_page(shown: Shown, path: str | PathLike[str], title: str) -> None:
 
 def bar(scale: Scale, label: str) -> dict[str, object]:
     """What the page needs to draw the colour bar."""
-    return {"label": label, "low": scale.low, "high": scale.high, "stops": scale.stops()}
+    low, high = scale.ends()
+    return {"label": label, "low": low, "high": high, "stops": scale.stops()}
 
 
 def _licences() -> str:

@@ -79,6 +79,10 @@ class Scale:
     low: float
     high: float
     cmap: str = "viridis"
+    below: bool = False
+    """Whether there are values below the low end, which have its colour."""
+    above: bool = False
+    """And above the high end."""
 
     @classmethod
     def of(
@@ -93,7 +97,8 @@ class Scale:
         ----------
         panels : iterable of Panel
         limits : (float, float), optional
-            Both ends of the scale; the range of all finite values by default.
+            Both ends of the scale. By default the range of all finite values, from 0
+            where that is near for its length; and from 0 to what they are where they are equal.
         cmap : str
             One of `CMAPS`.
 
@@ -113,11 +118,13 @@ class Scale:
         given = [x for x in given if len(x)]
         if not given:
             return None
-        low, high = limits or (min(x.min() for x in given), max(x.max() for x in given))
+        least, most = (float(min(x.min() for x in given)), float(max(x.max() for x in given)))
+        low, high = limits or _ends(least, most)
         # A scale of no length divides by zero in every renderer.
         if high <= low:
             high = low + 1e-9 * max(1.0, abs(low))
-        return cls(float(low), float(high), cmap)
+        spare = 1e-9 * (high / 2 - low / 2)  # what rounding does to the ends
+        return cls(low, high, cmap, below=least < low - spare, above=most > high + spare)
 
     def parts(self, values: Floats) -> Floats:
         """Where values lie on the scale, 0 at its low end and 1 at its high one.
@@ -143,6 +150,11 @@ class Scale:
             from matplotlib.colors import to_hex
         return [to_hex(self.colormap(k / 16)) for k in range(17)]
 
+    def ends(self) -> tuple[str, str]:
+        """What stands at the two ends: "0", "≥ 1.2"."""
+        low, high = _written(self.low), _written(self.high)
+        return f"≤ {low}" if self.below else low, f"≥ {high}" if self.above else high
+
 
 def colors(panel: Panel, scale: Scale | None) -> Floats:
     """A colour for each of a panel's values, grey where it is no number; shape (k, 3)."""
@@ -152,3 +164,21 @@ def colors(panel: Panel, scale: Scale | None) -> Floats:
     mapped = scale.colormap(scale.parts(panel.values))[:, :3]
     mapped[~panel.known] = NONE
     return mapped
+
+
+def _ends(least: float, most: float) -> tuple[float, float]:
+    """The ends of a scale for values between two numbers."""
+    if least == most:
+        return (min(least, 0.0), max(most, 0.0)) if most else (0.0, 1.0)
+    if 0 < least <= 0.1 * most:
+        return 0.0, most
+    if 0.1 * least <= most < 0:
+        return least, 0.0
+    return least, most
+
+
+def _written(number: float) -> str:
+    """A number for people: three digits that count."""
+    if number and not 1e-3 <= abs(number) < 1e5:
+        return f"{number:.1e}"
+    return f"{float(f'{number:.3g}'):.12g}"

@@ -75,10 +75,10 @@ class SideBySide:
         self.titles = each_title(titles, count)
         self.label, self.limits, self.cmap = coloring(label, limits, cmap)
         self.up = check_direction(up, "up")
-        self._direction = check_direction(direction, "direction")
+        self.direction = check_direction(direction, "direction")
         # What the reset button shows, whatever the panels hold by then: set by look_at.
         drawn = [panel.V[panel.used] for panel in self.panels]
-        self._home = np.concatenate(drawn), self._direction
+        self._home = np.concatenate(drawn), self.direction
         self._place()
         self.aspect = STILL[0] / STILL[1] / count  # of each panel, width over height
         self.camera = self._camera_home()
@@ -119,7 +119,7 @@ class SideBySide:
         MeshError, ValueError
             No points, or no direction.
         """
-        towards = self._direction if direction is None else check_direction(direction, "direction")
+        towards = self.direction if direction is None else check_direction(direction, "direction")
         self._home = (check_vertices(V).copy(), towards)
         self.reset()
 
@@ -154,7 +154,7 @@ class SideBySide:
             return self._camera_home(aspect)
         return self.camera.zoom(max(1.0, self.aspect / aspect))
 
-    def still(self, size: tuple[int, int] = STILL) -> Image:
+    def still(self, size: tuple[int, int] = STILL, *, background: str | None = None) -> Image:
         """Draw what is shown now into a picture, with titles and colour bar.
 
         Where the camera has not been moved, the meshes fill a picture of any shape;
@@ -164,20 +164,24 @@ class SideBySide:
         ----------
         size : (int, int)
             Width and height in pixels, all panels together; 64 to 8192 each.
+        background : str, optional
+            A colour, as matplotlib names it; without it the picture is transparent, and
+            its letters can be read on light and on dark pages.
 
         Returns
         -------
         PIL.Image.Image
-            A notebook shows it; ``.save("knot.png")`` writes it.
+            A notebook shows it; ``.save("knot.png")`` writes it. For JPEG, which knows no
+            transparency, it needs a background.
 
         Raises
         ------
         ValueError
-            A size that is none, or too small for so many panels.
+            A size that is none, or too small for so many panels; no colour.
         ImportError
             matplotlib or Pillow is missing; the message says what to install.
         """
-        return still(self, size)
+        return still(self, size, background)
 
     def page(self, path: str | PathLike[str], title: str = "meshfair") -> None:
         """Write a web page on which the meshes can be turned, all together.

@@ -21,6 +21,7 @@ TITLE = 28  # pixels of the row of titles
 BAR = 110  # pixels of the colour bar with its numbers and label, where it stands at the right
 BELOW = 64  # and where, in a narrow picture, it lies below
 NARROW = 420  # pixels of a picture up to which it does
+INK = "#7a7a7a"  # of what is written: can be read on white, and on a dark page
 FONT, SMALLEST = 10.0, 7.0  # points
 
 
@@ -39,7 +40,7 @@ class Shown(Protocol):
         """The camera for panels of this shape, width over height."""
 
 
-def still(view: Shown, size: tuple[int, int]) -> Image:
+def still(view: Shown, size: tuple[int, int], background: str | None = None) -> Image:
     """Draw what a view shows into a picture; see `meshfair.viewer.View.still`."""
     with needed_for("a still picture"):
         from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -57,7 +58,8 @@ def still(view: Shown, size: tuple[int, int]) -> Image:
             f"size is {size!r}, which leaves {cell[0]} x {cell[1]} pixels for each of {count} "
             "panels; give a larger one"
         )
-    figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI)
+    ink = _ink_on(background)
+    figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI, facecolor=background or "none")
     canvas = FigureCanvasAgg(figure)
     camera = view.camera_for(cell[0] / cell[1])
     for k, (panel, title) in enumerate(zip(view.panels, view.titles, strict=True)):
@@ -74,16 +76,28 @@ def still(view: Shown, size: tuple[int, int]) -> Image:
         )
         figure.figimage(pixels, k * cell[0], bottom)
         middle = ((k + 0.5) * cell[0] / width, 1 - TITLE / 2 / height)
-        text = figure.text(*middle, title, ha="center", va="center", fontsize=FONT)
+        text = figure.text(*middle, title, ha="center", va="center", fontsize=FONT, color=ink)
         _shrink(text, canvas, cell[0] - 8)
     if scale is not None:
         place = (width - BAR + 12.0, 0.12 * cell[1], 12.0, 0.76 * cell[1])
         if below:
             place = (0.1 * width, 0.62 * BELOW, 0.8 * width, 12.0)
-        label = _draw_bar(figure, place, (width, height), scale, view.label, below)
+        label = _draw_bar(figure, place, (width, height), scale, view.label, below, ink)
         _shrink(label, canvas, width - 8 if below else height - 8)
     canvas.draw()
-    return Image.fromarray(np.array(canvas.buffer_rgba())).convert("RGB")
+    picture = Image.fromarray(np.array(canvas.buffer_rgba()))
+    return picture if background is None else picture.convert("RGB")
+
+
+def _ink_on(background: str | None) -> str:
+    """The colour of what is written on a background, or on nobody knows which."""
+    from matplotlib.colors import is_color_like, to_rgb
+
+    if background is None:
+        return INK
+    if not is_color_like(background):
+        raise ValueError(f"background is {background!r}; give a colour such as 'white', or None")
+    return "black" if sum(to_rgb(background)) > 1.5 else "white"
 
 
 def _shrink(text: Any, canvas: Any, room: float) -> None:
@@ -107,6 +121,7 @@ def _draw_bar(
     scale: Scale,
     label: str,
     below: bool,
+    ink: str,
 ) -> Any:
     """Draw the colour bar, of which the place is in pixels; its label."""
     from matplotlib.cm import ScalarMappable
@@ -121,8 +136,12 @@ def _draw_bar(
         orientation="horizontal" if below else "vertical",
         label=label,
         ticks=MaxNLocator(max(2, int(max(wide, high) // 50))),
+        extend={(True, True): "both", (True, False): "min", (False, True): "max"}.get(
+            (scale.below, scale.above), "neither"
+        ),
     )
-    bar.ax.tick_params(labelsize=8)
+    bar.ax.tick_params(labelsize=8, colors=ink)
+    bar.outline.set_edgecolor(ink)
     text = (bar.ax.xaxis if below else bar.ax.yaxis).label
-    text.set_fontsize(9)
+    text.set(fontsize=9, color=ink)
     return text

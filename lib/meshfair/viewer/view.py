@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import contextlib
 import io
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 from numpy.typing import ArrayLike
 
-from meshfair.checks import check_choice, check_number, check_text
+from meshfair.checks import check_choice, check_number, check_text, check_vertices
 from meshfair.viewer.arguments import coloring
 from meshfair.viewer.backend import Backend
 from meshfair.viewer.live import made
+from meshfair.viewer.picking import pick
 from meshfair.viewer.side_by_side import SideBySide
 
 
@@ -95,6 +96,8 @@ class View(SideBySide):
             up=up,
         )
         self._changed: set[int] | None = None  # panels changed inside `together`
+        self._moved = False  # the camera was, there
+        self._on_pick: Callable[[int, int], object] | None = None
         self._backend: Backend = made(backend, self)
 
     @property
@@ -143,8 +146,7 @@ class View(SideBySide):
             self._refresh([panel])
         else:
             self._place()
-            self._refresh(range(len(self.panels)))
-            self._backend.camera_moved()
+            self._refresh(range(len(self.panels)), moved=True)
 
     @contextlib.contextmanager
     def together(self) -> Iterator[View]:
@@ -154,8 +156,9 @@ class View(SideBySide):
         try:
             yield self
         finally:
+            moved, self._moved = self._moved, False
             self._changed = None
-            self._refresh(changed)
+            self._refresh(changed, moved=moved)
 
     def color_by(
         self, label: str, limits: tuple[float, float] | None = None, cmap: str | None = None
@@ -181,10 +184,60 @@ class View(SideBySide):
             self.label, self.limits, self.cmap = bar
             self._refresh(range(len(self.panels)))
 
+    def refit(self, V: ArrayLike) -> None:
+        """Point the reset button at other points, and the camera with it.
+
+        A camera that was turned, moved or brought closer stays so, and goes as far away as
+        the points' new size asks for.
+
+        Parameters
+        ----------
+        V : array_like, shape (k, 3)
+            What should fill the picture, such as a mesh that has grown.
+
+        Raises
+        ------
+        MeshError
+            No points.
+        """
+        before = self._camera_home()
+        self._home = (check_vertices(V).copy(), self._home[1])
+        after = self._camera_home()
+        if after == before:
+            return
+        self.camera = after if self.camera == before else self.camera.follow(before, after)
+        self._refresh([], moved=True)
+
     def reset(self) -> None:
-        """Go back to the camera of the beginning, or of the last `look_at`."""
+        """Go back to the camera of the beginning, or of the last `look_at` or `refit`."""
         super().reset()
-        self._backend.camera_moved()
+        self._refresh([], moved=True)
+
+    def on_pick(self, function: Callable[[int, int], object] | None) -> None:
+        """Say what a click on a mesh does, in a page whose frames polyscope draws.
+
+        Parameters
+        ----------
+        function : function(panel, vertex) or None
+            Called with the numbers of the panel and of the vertex.
+        """
+        self._on_pick = function
+
+    def click(self, panel: int, x: float, y: float) -> None:
+        """Somebody has clicked on a panel; the page says so.
+
+        Parameters
+        ----------
+        panel : int
+        x, y : float
+            From -1 at the panel's left and bottom edge to 1 at its right and top edge.
+        """
+        if self._on_pick is None:
+            return
+        shown = self.panels[check_choice(panel, "panel", range(len(self.panels)))]
+        vertex = pick(shown.V, shown.F, self.camera, (x, y), self.aspect)
+        if vertex is not None:
+            self._on_pick(panel, vertex)
 
     def fit(self, aspect: float) -> None:
         """Say the panels' shape, width over height; the page does."""
@@ -193,11 +246,14 @@ class View(SideBySide):
         if untouched:
             self.camera = self._camera_home()
 
-    def _refresh(self, panels: Iterable[int]) -> None:
+    def _refresh(self, panels: Iterable[int], moved: bool = False) -> None:
+        """Draw some panels again, and all of them where the camera has moved."""
         if self._changed is None:
-            self._backend.refresh(panels)
+            draw = self._backend.camera_moved if moved else self._backend.refresh
+            draw(panels)
         else:
             self._changed.update(panels)
+            self._moved = self._moved or moved
 
     def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         """The live view, and a still of it for readers without a kernel."""
