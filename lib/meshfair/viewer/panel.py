@@ -56,7 +56,8 @@ class Panel:
     def box(self) -> tuple[Floats, Floats]:
         """The least and the largest coordinates of what is drawn."""
         X = self.V if self.used.all() else self.V[self.used]
-        return X.min(axis=0), X.max(axis=0)
+        # Column by column: along short rows NumPy is slow.
+        return np.array([x.min() for x in X.T]), np.array([x.max() for x in X.T])
 
     @cached_property
     def known(self) -> Booleans:

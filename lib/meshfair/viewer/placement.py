@@ -41,8 +41,10 @@ class Placement:
 
     def panel(self, panel: Panel) -> Panel:
         """A panel of which the mesh has been placed; what no face uses lies in the centre."""
-        X = (panel.V - self.centre) / self.size
-        X[~panel.used] = 0
+        X = panel.V - self.centre
+        X /= self.size
+        if not panel.used.all():
+            X[~panel.used] = 0
         return Panel(X, panel.F, panel.values, panel.smooth, panel.edges)
 
     def camera(self, camera: Camera) -> Camera:
