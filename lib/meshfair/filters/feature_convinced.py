@@ -139,7 +139,7 @@ def feature_convinced(
     shortest: int = 2,
     fixed: ArrayLike | None = None,
 ) -> Iterator[tuple[float, Floats]]:
-    """Feature-convinced mesh denoising [LLL19]_, as an iterator.
+    """Feature-convinced denoising [LLL19]_, as an iterator: no normals mix across creases.
 
     In each iteration
 
@@ -185,20 +185,22 @@ def feature_convinced(
     edges = Edges(F, len(V))
     B = incidence(F, len(V))
     R = face_rings(B)
-    for k in range(1, iterations + 1):
+    parts = effort.normal_iterations + 1
+    for k in range(iterations):
         copy = prefiltered(V, F, effort)
         crease = crease_edges(copy, H, effort.crease_cosine, gap=gap, shortest=shortest)
         N, area, C = face_shapes(V, F)
         G = crease_guidance(H.faces[~crease], N, area, C)
         longest = float(np.sqrt(np.mean(edges.lengths(V) ** 2)))
         S = spatial_weights(R, C, area, longest)
-        for _ in range(effort.normal_iterations):
+        for step in range(1, effort.normal_iterations + 1):
+            yield (k + step / parts) / iterations, V
             N = joint_bilateral(S, N, G, sigma_normal)
         for _ in range(vertex_iterations):
             moved = move_vertices(V, F, B, N, fixed)
             too_far = np.linalg.norm(moved - V, axis=1) > longest
             V = np.where(too_far[:, None], V, moved)
-        yield k / iterations, V
+        yield (k + 1) / iterations, V
 
 
 def prefiltered(V: Floats, F: Integers, effort: Effort) -> Floats:

@@ -17,6 +17,7 @@ from meshfair.checks import (
 from meshfair.mesh.duplicates import duplicate_faces, first_equal
 from meshfair.mesh.elements import Edges
 from meshfair.mesh.geometry import degenerate_faces, mean_edge_length
+from meshfair.mesh.objects import takes_meshes
 from meshfair.mesh.topology import (
     HalfEdgePairs,
     Orientation,
@@ -61,6 +62,7 @@ class Repaired(NamedTuple):
     """One step for each thing asked for, in the order in which they were done."""
 
 
+@takes_meshes
 def repair(
     V: ArrayLike,
     F: ArrayLike,
