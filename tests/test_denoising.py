@@ -145,7 +145,7 @@ def test_a_filter_of_ones_own(noisy_box, monkeypatch):
         ({"method": "taubin", "iterations": -1}, "iterations is -1"),
         ({"parameters": "auto", "sigma": -1.0}, "sigma"),
         ({"method": "feature-convinced", "sigma": np.nan}, "sigma is nan"),
-        ({"method": "tauben"}, r"feature-convinced \(did you mean 'taubin'\?\)$"),
+        ({"method": "tauben"}, r"learned \(did you mean 'taubin'\?\)$"),
         ({"method": "sun", "treshold": 1}, r"fixed \(did you mean 'threshold'\?\)$"),
         ({"method": "heat", "weights": "Cotan"}, r"cotangent \(did you mean 'cotangent'\?\)$"),
         ({"method": "taubin", "sigma": 0.2}, "taubin with default parameters does not use it"),

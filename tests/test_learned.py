@@ -15,7 +15,7 @@ from meshfair import denoising, filters, mesh, noise, shapes
 from meshfair.filters import face_network
 from meshfair.filters.face_network import Rings
 from meshfair.filters.guided_normal import Patches
-from meshfair.filters.learned import record, trained
+from meshfair.filters.learned import learned, record, trained
 from meshfair.filters.neighbourhoods import face_rings
 from meshfair.filters.normal_bank import COUNT, filtered_normals, surfaces
 from meshfair.filters.normal_filtering import joint_bilateral, mean_distance, spatial_weights
@@ -26,7 +26,7 @@ FIGURES = Path(__file__).with_name("learned.npz")
 
 
 def result(V, F, **parameters):
-    *_, (progress, X) = filters.learned(V, F, **parameters)
+    *_, (progress, X) = learned(V, F, **parameters)
     assert progress == 1
     return X
 
@@ -148,7 +148,7 @@ def test_loops_are_the_formula(make, rng):
 def test_whole_filter(make):
     V, F = make()
     # Normals that are means of some that nearly cancel lose digits, in each of 60 iterations.
-    same(both(lambda: np.array([X for _, X in filters.learned(V, F)])), 1e-8)
+    same(both(lambda: np.array([X for _, X in learned(V, F)])), 1e-8)
 
 
 def test_the_number_of_cores_changes_no_digit(monkeypatch):
@@ -247,7 +247,7 @@ def test_fixed_vertices_stay_and_others_do_not():
 
 def test_progress_is_in_small_steps_and_cancels():
     V, F = noisy_torus()
-    progress = [p for p, _ in filters.learned(V, F)]
+    progress = [p for p, _ in learned(V, F)]
     np.testing.assert_allclose(np.diff(progress), progress[0])
     assert progress[0] < 0.02
     calls = []
@@ -267,7 +267,7 @@ def test_progress_is_in_small_steps_and_cancels():
 )
 def test_parameters_outside_their_range(parameters, message):
     with pytest.raises(ValueError, match=message):
-        list(filters.learned(*noisy_torus(), **parameters))
+        list(learned(*noisy_torus(), **parameters))
 
 
 def test_without_vertex_iterations_nothing_moves():
