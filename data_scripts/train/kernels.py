@@ -12,6 +12,10 @@ import numpy as np
 import torch
 from torch.autograd.function import once_differentiable
 
+from meshfair.filters.face_network import NEAR as NEAR_SQUARED
+
+NEAR = np.float32(NEAR_SQUARED)
+
 loop = numba.njit(fastmath=True, nogil=True, cache=True, error_model="numpy")
 
 
@@ -23,7 +27,7 @@ class Edges:
 
 
 class Invariants(torch.autograd.Function):
-    """Of each edge: v_i . v_j, d . v_i, d . v_j, t . v_i, t . v_j for each channel, and e."""
+    """Of each edge: how far v_i is from v_j, d . v_i, d . v_j, t . v_i, t . v_j in channels; e."""
 
     @staticmethod
     def forward(ctx: Any, v: torch.Tensor, edges: Edges) -> torch.Tensor:
@@ -114,11 +118,13 @@ def _invariants(v, start, end, d, t, e):
             for axis in range(3):
                 a, b, dx, tx = v[i, axis * K :], v[j, axis * K :], d[p, axis], t[p, axis]
                 for k in range(K):
-                    x[k] += a[k] * b[k]
+                    x[k] += (a[k] - b[k]) ** 2
                     x[K + k] += dx * a[k]
                     x[2 * K + k] += dx * b[k]
                     x[3 * K + k] += tx * a[k]
                     x[4 * K + k] += tx * b[k]
+            for k in range(K):
+                x[k] /= x[k] + NEAR
             x[5 * K], x[5 * K + 1] = e[p, 0], e[p, 1]
     return X
 
@@ -126,17 +132,24 @@ def _invariants(v, start, end, d, t, e):
 @loop
 def _invariants_back(v, start, end, d, t, g):
     K = v.shape[1] // 3
-    back = np.zeros_like(v)
+    back, apart = np.zeros_like(v), np.empty(K, np.float32)
     for i in range(len(v)):
         for p in range(start[i], start[i + 1]):
             j = end[p]
             x = g[p]
+            apart[:] = 0
+            for axis in range(3):
+                a, b = v[i, axis * K :], v[j, axis * K :]
+                for k in range(K):
+                    apart[k] += (a[k] - b[k]) ** 2
+            for k in range(K):
+                apart[k] = 2 * x[k] * NEAR / (apart[k] + NEAR) ** 2
             for axis in range(3):
                 a, b, dx, tx = v[i, axis * K :], v[j, axis * K :], d[p, axis], t[p, axis]
                 ga, gb = back[i, axis * K :], back[j, axis * K :]
                 for k in range(K):
-                    ga[k] += x[k] * b[k] + dx * x[K + k] + tx * x[3 * K + k]
-                    gb[k] += x[k] * a[k] + dx * x[2 * K + k] + tx * x[4 * K + k]
+                    ga[k] += apart[k] * (a[k] - b[k]) + dx * x[K + k] + tx * x[3 * K + k]
+                    gb[k] += apart[k] * (b[k] - a[k]) + dx * x[2 * K + k] + tx * x[4 * K + k]
     return back
 
 

@@ -12,10 +12,10 @@ import torch
 from examples import Example
 from network import Stage
 
-RATE, WARMING = 1e-3, 50  # of Adam at its highest; steps until then
-BATCH = 4  # meshes a step
+RATE, WARMING = 2e-3, 100  # of Adam at its highest; steps until then
+BATCH = 2  # meshes a step
 AVERAGED = 0.99  # how much of their mean the weights keep in each step
-FIRST, NEW, KEPT = 100, 1.2, 700  # examples at first, new ones a step, examples kept
+FIRST, NEW, KEPT = 100, 0.6, 700  # examples at first, new ones a step, examples kept
 REPORT = 25  # steps between two lines
 VALIDATED = 250  # steps between two looks at the validation shapes
 

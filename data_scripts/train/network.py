@@ -64,8 +64,7 @@ class Stage(nn.Module):
         self.out = nn.Linear(H, K + BANK)
         with torch.no_grad():  # at first about the mean of the bank
             self.out.weight *= 0.1
-            self.out.bias[:K] = 0.0
-            self.out.bias[K:] = 0.1
+            self.out.bias *= 0.0
 
     def forward(self, x: torch.Tensor, G: torch.Tensor, edges: Edges) -> torch.Tensor:
         """Unit normals from invariants x (m, .), the bank G (m, 3, BANK) and the edges."""
@@ -75,6 +74,7 @@ class Stage(nn.Module):
         for layer in self.layers:
             h, v = layer(h, v, edges)
         w = self.out(hardswish(self.third(torch.cat([h, (v * v).sum(1)], 1))))
+        w = torch.cat([w[:, :K], torch.softmax(w[:, K:], 1)], 1)
         n = (torch.cat([v, G], 2) * w[:, None]).sum(2)
         return normalize(n, dim=1, eps=1e-12)
 

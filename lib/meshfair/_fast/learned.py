@@ -7,6 +7,9 @@ from meshfair._fast.kernels import compiled, helper, on_all_cores, unsigned
 # Faces that a thread takes at a time: each has a dozen messages of some thousand products.
 BLOCK = 1024
 
+# As in `meshfair.filters.face_network`.
+MOST, NEAR = 5.0, 0.1
+
 
 def mean_lengths(R, C, area, total):
     """As `meshfair.filters.face_network.Rings.mean_length`."""
@@ -63,13 +66,16 @@ def _message_sums(
             d = _way(C, i, j, size[i])
             t = _way(smooth, i, j, size[i])
             for k in range(K):
-                x[k] = v[i, 0, k] * v[j, 0, k] + v[i, 1, k] * v[j, 1, k] + v[i, 2, k] * v[j, 2, k]
+                apart = 0.0
+                for axis in range(3):
+                    apart += (v[i, axis, k] - v[j, axis, k]) ** 2
+                x[k] = apart / (apart + NEAR)
                 x[K + k] = d[0] * v[i, 0, k] + d[1] * v[i, 1, k] + d[2] * v[i, 2, k]
                 x[2 * K + k] = d[0] * v[j, 0, k] + d[1] * v[j, 1, k] + d[2] * v[j, 2, k]
                 x[3 * K + k] = t[0] * v[i, 0, k] + t[1] * v[i, 1, k] + t[2] * v[i, 2, k]
                 x[4 * K + k] = t[0] * v[j, 0, k] + t[1] * v[j, 1, k] + t[2] * v[j, 2, k]
             x[5 * K] = np.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
-            x[5 * K + 1] = min(max(np.log(area[j] / area[i]), -5.0), 5.0)
+            x[5 * K + 1] = min(max(np.log(area[j] / area[i]), -MOST), MOST)
             for h in range(H):
                 z[h] = p[i, h] + r[j, h]
             for a in range(len(x)):

@@ -23,9 +23,12 @@ Weights: TypeAlias = dict[str, Floats]
 
 # Normals a face that a stage is given: the bank, and two of the stage before.
 BANK = COUNT + 2
-SCALARS, CHANNELS, HIDDEN, LAYERS = 32, 8, 32, 4
+SCALARS, CHANNELS, HIDDEN, LAYERS = 32, 8, 32, 3
 # Logarithms of ratios of areas and lengths are cut off here; of areas, so are tiny ones.
 MOST, LEAST_AREA = 5.0, 1e-6
+# Normals nearer than this, half a degree, count as equal; squared distance of vectors that is
+# neither near nor far, about that of two normals at 18 degrees.
+LEAST_APART, NEAR = 0.01, 0.1
 # Faces whose inner products are in memory at the same time.
 BLOCK = 16_384
 
@@ -83,7 +86,10 @@ class Rings:
 
 
 def invariants(G: Floats, scalars: Floats) -> Floats:
-    """The inner products of each two of the normals that a face has, and its other scalars.
+    """How far each two of the normals that a face has are apart, and its other scalars.
+
+    log(LEAST_APART + |g_a - g_b|) + 2, of size 1: a noise of a degree is as far from
+    one of ten as that is from one of a hundred.
 
     Parameters
     ----------
@@ -95,13 +101,16 @@ def invariants(G: Floats, scalars: Floats) -> Floats:
     ndarray of float64, shape (m, BANK (BANK - 1) / 2 + 2)
     """
     a, b = np.triu_indices(BANK, 1)
-    return np.concatenate([(G @ G.transpose(0, 2, 1))[:, a, b], scalars], axis=1)
+    products = G @ G.transpose(0, 2, 1)
+    squares = np.diagonal(products, axis1=1, axis2=2)
+    squared = np.maximum(squares[:, a] + squares[:, b] - 2 * products[:, a, b], 0)
+    return np.concatenate([np.log(LEAST_APART + np.sqrt(squared)) + 2, scalars], axis=1)
 
 
 def first_features(w: Weights, G: Floats, rings: Rings) -> tuple[Floats, Floats]:
     """What a face has before the first message: scalars, and vectors that mix its normals.
 
-    h_i from the inner products of the normals g_ib of the bank, and, through their mean,
+    h_i from the `invariants` of the normals g_ib of the bank, and, through their mean,
     from those of all faces; v_ik = sum_b mix_bk(h_i) g_ib.
 
     Parameters
@@ -173,8 +182,9 @@ def message_sums(w: Weights, h: Floats, v: Floats, rings: Rings) -> tuple[Floats
         z_ij = act(P [h_i, |v_i|^2] + Q [h_j, |v_j|^2] + R x_ij),   s_i = sum_j a_ij z_ij,
         u_i = sum_j a_ij w(z_ij) v_j,
 
-    where x_ij holds <v_i, v_j>, <d_ij, v_i>, <d_ij, v_j>, <t_ij, v_i> and <t_ij, v_j> of each
-    channel, the length of d_ij and the logarithm of the ratio of areas.
+    where x_ij holds |v_i - v_j|^2 / (|v_i - v_j|^2 + NEAR), <d_ij, v_i>, <d_ij, v_j>,
+    <t_ij, v_i> and <t_ij, v_j> of each channel, the length of d_ij and the logarithm of the
+    ratio of areas.
 
     Parameters
     ----------
@@ -195,7 +205,8 @@ def message_sums(w: Weights, h: Floats, v: Floats, rings: Rings) -> tuple[Floats
         return _fast.learned.message_sums(w, p, r, v, rings)
     i, j = entries(rings.R)
     d, t, e = rings.ways
-    dots = [np.sum(v[i] * v[j], axis=1)]
+    apart = np.sum((v[i] - v[j]) ** 2, axis=1)
+    dots = [apart / (apart + NEAR)]
     dots += [np.sum(x[:, :, None] * v[k], axis=1) for x in (d, t) for k in (i, j)]
     z = _act(p[i] + r[j] + _linear(w, "edge", np.concatenate([*dots, e], axis=1)))
     vectors = _linear(w, "along", z)[:, None] * v[j]
@@ -206,6 +217,8 @@ def message_sums(w: Weights, h: Floats, v: Floats, rings: Rings) -> tuple[Floats
 
 def normals(w: Weights, h: Floats, v: Floats, G: Floats) -> Floats:
     """n_i = sum_k a_k(h_i) v_ik + sum_b b_b(h_i) g_ib, normalised.
+
+    The b_b are above 0 and add up to 1, so that the network can choose one of the bank.
 
     Parameters
     ----------
@@ -224,6 +237,8 @@ def normals(w: Weights, h: Floats, v: Floats, G: Floats) -> Floats:
     for rows in _blocks(len(h)):
         q = np.concatenate([h[rows], _squares(v[rows])], axis=1)
         x = _linear(w, "out", _act(_linear(w, "third", q)))
+        x[:, CHANNELS:] = np.exp(x[:, CHANNELS:] - x[:, CHANNELS:].max(axis=1, keepdims=True))
+        x[:, CHANNELS:] /= x[:, CHANNELS:].sum(axis=1, keepdims=True)
         vectors = np.concatenate([v[rows], G[rows].transpose(0, 2, 1)], axis=2)
         N[rows] = (vectors @ x[:, :, None])[:, :, 0]
     return normalised(N)
