@@ -98,7 +98,8 @@ def test_messages_are_their_formula(rng):
         total_s, total_u = 0, 0
         for j in ring:
             d, t = (C[j] - C[i]) / size, (smooth[j] - smooth[i]) / size
-            x = [*(v[i] * v[j]).sum(0), *d @ v[i], *d @ v[j], *t @ v[i], *t @ v[j]]
+            apart = ((v[i] - v[j]) ** 2).sum(0)
+            x = [*(apart / (apart + 0.1)), *d @ v[i], *d @ v[j], *t @ v[i], *t @ v[j]]
             x += [np.linalg.norm(d), np.log(area[j] / area[i])]
             z = w["own.weight"] @ [*h[i], *(v[i] ** 2).sum(0)] + w["own.bias"]
             z = z + w["other.weight"] @ [*h[j], *(v[j] ** 2).sum(0)] + w["edge.weight"] @ x
@@ -107,6 +108,18 @@ def test_messages_are_their_formula(rng):
             total_u = total_u + share[j] * (w["along.weight"] @ z + w["along.bias"]) * v[j]
         np.testing.assert_allclose(s[i], total_s, atol=1e-12)
         np.testing.assert_allclose(u[i], total_u, atol=1e-12)
+
+
+def test_invariants_are_distances(rng):
+    G = mesh.normalised(rng.normal(size=(5 * 16, 3))).reshape(5, 16, 3)
+    G[2, 3] = G[2, 4]  # as near as can be
+    G[3, 14:] = 0  # what a first stage has of the one before
+    found = face_network.invariants(G, np.zeros((5, 2)))
+    for i in range(5):
+        apart = [np.linalg.norm(G[i, a] - G[i, b]) for a in range(16) for b in range(a + 1, 16)]
+        # The square of a distance of two unit vectors is known to 1e-15, so the root to 1e-7.
+        expected = [*(np.log(0.01 + np.array(apart)) + 2), 0, 0]
+        np.testing.assert_allclose(found[i], expected, atol=1e-5)
 
 
 def test_the_bank_is_what_it_says():

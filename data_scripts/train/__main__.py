@@ -23,7 +23,7 @@ from network import Stage
 from score import score
 from shapes import Mesh, shape
 
-from meshfair import denoising, mesh, noise
+from meshfair import mesh, noise
 from meshfair import shapes as built_in
 from meshfair.checks import Floats
 from meshfair.filters.normal_filtering import move_vertices
@@ -55,7 +55,7 @@ def main() -> None:
         validate = partial(angles, examples=validation_examples(make))
         stages.append(learn(name, make, steps, options.folder, start, validate))
     export(stages, options)
-    score(RESULTS / "validation.csv", denoising.methods())
+    score(options.folder, RESULTS / "validation.csv")
 
 
 def training_shapes(path: Path, count: int) -> list[Mesh]:
