@@ -21,9 +21,9 @@ VALIDATED = 250  # steps between two looks at the validation shapes
 
 
 def rate(step: int, steps: int) -> float:
-    """The learning rate at a step: it rises for a while, and falls along a cosine."""
+    """The learning rate at a step, in the highest one: it rises, and falls along a cosine."""
     falling = (1 + math.cos(math.pi * step / steps)) / 2
-    return RATE * min(1.0, (step + 1) / WARMING, max(falling, 0.01))
+    return min(1.0, (step + 1) / WARMING, max(falling, 0.01))
 
 
 class Pool:
@@ -76,6 +76,7 @@ def learn(
     Stage
         With the mean of the latest weights.
     """
+    highest = RATE if start is None else RATE / 2  # what was learned shall not be forgotten
     state, curve = folder / f"{name}.pt", folder / f"{name}.csv"
     torch.manual_seed(0)
     stage, mean = Stage(), Stage()
@@ -106,7 +107,7 @@ def learn(
         for parameter, *parts in zip(parameters, *gradients, strict=True):
             parameter.grad = sum(parts) / BATCH
         for group in optimizer.param_groups:
-            group["lr"] = rate(step, steps)
+            group["lr"] = highest * rate(step, steps)
         size = torch.nn.utils.clip_grad_norm_(parameters, 1.0)
         if torch.isfinite(size):  # a step without end would be the last one
             optimizer.step()
@@ -122,7 +123,7 @@ def learn(
             row = dict(
                 zip(("loss", "noisy", "error", "slope"), np.mean(recent, axis=0), strict=True)
             )
-            row = {"step": done, "seconds": seconds, "rate": rate(step, steps)} | row
+            row = {"step": done, "seconds": seconds, "rate": highest * rate(step, steps)} | row
             if validate is not None and (done % VALIDATED == 0 or done == steps):
                 row |= validate(mean)
             recent = []
