@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import meshfair
 from fast import both
-from meshes import fan, grid, soups
+from meshes import grid, soups
 from meshfair import denoising, filters, mesh, noise, shapes
 from meshfair.filters import face_network
 from meshfair.filters.face_network import Rings
@@ -117,9 +117,8 @@ def test_invariants_are_distances(rng):
     found = face_network.invariants(G, np.zeros((5, 2)))
     for i in range(5):
         apart = [np.linalg.norm(G[i, a] - G[i, b]) for a in range(16) for b in range(a + 1, 16)]
-        # The square of a distance of two unit vectors is known to 1e-15, so the root to 1e-7.
         expected = [*(np.log(0.01 + np.array(apart)) + 2), 0, 0]
-        np.testing.assert_allclose(found[i], expected, atol=1e-5)
+        np.testing.assert_allclose(found[i], expected, atol=1e-12)
 
 
 def test_the_bank_is_what_it_says():
@@ -236,15 +235,14 @@ def test_one_face_stays(V):
     np.testing.assert_allclose(found, V, rtol=0, atol=1e-12 * np.abs(V).max())
 
 
-def test_what_has_no_area_moves_nothing_else(rng):
-    V, F = fan(6)
-    V = V + 0.05 * rng.standard_normal(V.shape)
+def test_what_has_no_area_hardly_moves_anything_else():
+    V, F = noisy_torus()
     expected = result(V, F)
     more = np.concatenate([V, [[7.0, 7, 7], [9, 9, 9]]])  # a vertex alone, and a face of no size
     found = result(more, np.concatenate([F, [[len(V), len(V), len(V)]]]))
-    assert np.isfinite(found).all()
     np.testing.assert_array_equal(found[len(V) :], more[len(V) :])
-    assert np.abs(found[: len(V)] - expected).max() < 0.1 * mesh.mean_edge_length(V, F)
+    # It is one of 257 faces in the mean of all.
+    assert np.abs(found[: len(V)] - expected).max() < 0.05 * mesh.mean_edge_length(V, F)
 
 
 # --- The front.

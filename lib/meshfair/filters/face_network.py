@@ -101,9 +101,7 @@ def invariants(G: Floats, scalars: Floats) -> Floats:
     ndarray of float64, shape (m, BANK (BANK - 1) / 2 + 2)
     """
     a, b = np.triu_indices(BANK, 1)
-    products = G @ G.transpose(0, 2, 1)
-    squares = np.diagonal(products, axis1=1, axis2=2)
-    squared = np.maximum(squares[:, a] + squares[:, b] - 2 * products[:, a, b], 0)
+    squared = sum((x[:, a] - x[:, b]) ** 2 for x in np.moveaxis(G, 2, 0))
     return np.concatenate([np.log(LEAST_APART + np.sqrt(squared)) + 2, scalars], axis=1)
 
 
