@@ -34,7 +34,7 @@ RESULTS = ROOT / "report" / "results"
 FIGURES = ROOT / "tests" / "learned.npz"  # what torch makes of a small mesh, for the tests
 MOVES = 20  # how often the vertices are moved after a stage: the filter's default
 NAMES = ("first", "second")
-STEPS = 3_500, 2_500
+STEPS = 10_000, 7_000
 SHAPES = 2_000
 
 
