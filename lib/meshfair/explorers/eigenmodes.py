@@ -153,6 +153,6 @@ class EigenmodeExplorer(Explorer):
         self.controls["iteration"].value = min(max(round(change["new"]), 0), self._iterations)
 
 
-def _percent(part: float) -> str:
+def _percent(part: Any) -> str:
     """A part of a whole, with two digits that count."""
     return f"{100 * part:.2g} %" if abs(part) < 10 else f"{part:.1e} times"
