@@ -1,5 +1,6 @@
 """Mark a class: every submission by itself, in parallel, going on where it stopped."""
 
+import contextlib
 import csv
 import hashlib
 import io
@@ -115,7 +116,13 @@ class Mark:
         return next((o.metric for o in self.outcomes if o.metric is not None), None)
 
 
-def mark(submission: Submission, assignment: Assignment, isolation: Isolation, seed: int) -> Mark:
+def mark(
+    submission: Submission,
+    assignment: Assignment,
+    isolation: Isolation,
+    seed: int,
+    kind: type[IsolatedStudent] = IsolatedStudent,
+) -> Mark:
     """Mark one submission.
 
     Parameters
@@ -124,6 +131,8 @@ def mark(submission: Submission, assignment: Assignment, isolation: Isolation, s
     assignment : meshfair_grading.assignment.Assignment
     isolation : meshfair_grading.isolation.Isolation
     seed : int
+    kind : type, optional
+        What asks the submission; another one may write down what it asks.
 
     Returns
     -------
@@ -135,7 +144,7 @@ def mark(submission: Submission, assignment: Assignment, isolation: Isolation, s
         source = _read(submission)
     except ValueError as error:
         return Mark(submission.student, _nothing(assignment), str(error), [*remarks, str(error)])
-    with IsolatedStudent(source, assignment.name, assignment.rules, isolation) as student:
+    with kind(source, assignment.name, assignment.rules, isolation) as student:
         corrected = with_right_functions(source, assignment, student, isolation)
         outcomes = assignment.mark(student, seed, corrected=corrected)
     remarks += student.remarks
@@ -146,6 +155,25 @@ def mark(submission: Submission, assignment: Assignment, isolation: Isolation, s
         remarks.append(f"The file could not be loaded: {broken.message}{where}")
         status = _status(broken)
     return Mark(submission.student, outcomes, status, remarks, student.printed)
+
+
+def handed_in(folder: str | Path, assignment: str) -> dict[str, bytes]:
+    """The files that can be read, by student.
+
+    Parameters
+    ----------
+    folder : path
+    assignment : str
+
+    Returns
+    -------
+    dict of str to bytes
+    """
+    found = {}
+    for submission in find(folder, assignment):
+        with contextlib.suppress(ValueError):
+            found[submission.student] = _read(submission)
+    return found
 
 
 def _status(broken: Failure) -> str:
