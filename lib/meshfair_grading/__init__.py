@@ -28,6 +28,10 @@ in the teacher's process, send it meshes that the student has not seen.
 ``feedback``    the report as text, Markdown and HTML
 ``notebook``    pictures of a student's result
 ``generate``    ``python -m meshfair_grading.generate``
+``similar``     submissions that look alike
+``overview``    what the teacher alone gets
+``explain``     how one student's mark came about
 ``command``     ``meshfair grade``
+``handout``     ``meshfair handout``
 ==============  ==========================================================
 """

@@ -21,7 +21,13 @@ from meshfair_grading.students import IsolatedStudent
 from meshfair_grading.submissions import Submission, find, read
 
 
-def mark(submission: Submission, assignment: Assignment, isolation: Isolation, seed: int) -> Mark:
+def mark(
+    submission: Submission,
+    assignment: Assignment,
+    isolation: Isolation,
+    seed: int,
+    kind: type[IsolatedStudent] = IsolatedStudent,
+) -> Mark:
     """Mark one submission.
 
     Parameters
@@ -30,6 +36,8 @@ def mark(submission: Submission, assignment: Assignment, isolation: Isolation, s
     assignment : meshfair_grading.assignment.Assignment
     isolation : meshfair_grading.isolation.Isolation
     seed : int
+    kind : type, optional
+        What asks the submission; another one may write down what it asks.
 
     Returns
     -------
@@ -42,7 +50,7 @@ def mark(submission: Submission, assignment: Assignment, isolation: Isolation, s
     except ValueError as error:
         return Mark(submission.student, _nothing(assignment), str(error), [*remarks, str(error)])
     try:
-        with IsolatedStudent(source, assignment.name, assignment.rules, isolation) as student:
+        with kind(source, assignment.name, assignment.rules, isolation) as student:
             corrected = with_right_functions(source, assignment, student, isolation)
             outcomes = assignment.mark(student, seed, corrected=corrected)
     except OSError as error:  # of this machine, not of the student

@@ -32,6 +32,10 @@ class Student:
     def __init__(self) -> None:
         self.changed: list[tuple[str, int]] = []
         """Function and index of each argument that the current check's calls changed."""
+        self.check = self.case = ""
+        """What is being checked, and on what."""
+        self.replaced: tuple[str, ...] = ()
+        """Functions that are not the student's own."""
         self.calls: dict[str, list[str]] = {}
         """By function: the functions of the student's file that it names."""
         self._answers: dict[tuple[Any, ...], tuple[tuple[Any, ...], Answer]] = {}
