@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -13,11 +14,13 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import pytest
+import yaml
 
 import cells
 import meshfair
 from meshfair import _fast, io, shapes
 from meshfair.cli import main
+from meshfair.experiments import cluster as cluster_module
 from meshfair.experiments import sweep
 from meshfair.experiments.cluster import connect, version
 from meshfair.experiments.dispatch import SweepStoppedError
@@ -31,11 +34,9 @@ pytestmark = [
 
 TESTS = Path(__file__).parent
 LIB = Path(meshfair.__file__).parents[1]
-# As notebooks/SWEEPS.md says: a death counts at once, and copies of meshes stay where they are.
-SCHEDULER = {
-    "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0",
-    "DASK_DISTRIBUTED__SCHEDULER__ACTIVE_MEMORY_MANAGER__START": "False",
-}
+PAGE = (Path(__file__).parents[1] / "notebooks" / "SWEEPS.md").read_text(encoding="utf-8")
+# The page's own configuration for dask.
+CONFIGURATION = re.search(r"in `dask.yaml`.*?```yaml\n(.*?)```", PAGE, re.S)[1]
 
 STOPPING = """
 experiment = "stopping"
@@ -49,12 +50,14 @@ time = 1.0
 SLOW = 'experiment = "cells:slow"\nx = { from = 0, to = 99 }\n'
 
 
-def environment(lib=LIB, **more):
-    return os.environ | {"PYTHONPATH": f"{lib}{os.pathsep}{TESTS}"} | SCHEDULER | more
+def environment(folder, lib=LIB):
+    configuration = write(folder / "dask.yaml", CONFIGURATION)
+    path = f"{lib}{os.pathsep}{TESTS}"
+    return os.environ | {"PYTHONPATH": path, "DASK_CONFIG": str(configuration)}
 
 
-def start(folder, *words, **options):
-    options = {"env": environment(), **options}
+def start(folder, *words, lib=LIB, **options):
+    options["env"] = environment(folder, lib)
     with open(folder / "log.txt", "ab") as log:
         command = [sys.executable, "-m", *words]
         return subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, **options)
@@ -71,7 +74,7 @@ def a_cluster(folder, workers=2, lib=LIB):
         wait_until(file.exists)
         one = ["--nthreads", "1", "--nworkers", str(workers), *on_loopback]
         one += ["--local-directory", str(folder)]
-        processes.append(start(folder, "distributed.cli.dask_worker", *one, env=environment(lib)))
+        processes.append(start(folder, "distributed.cli.dask_worker", *one, lib=lib))
         yield scheduler, str(file)
     finally:
         for process in reversed(processes):
@@ -130,6 +133,20 @@ def undisturbed(tmp_path_factory):
     folder = tmp_path_factory.mktemp("undisturbed")
     assert run(write(folder / "slow.toml", SLOW), "--out", folder / "table.csv") == 0
     return (folder / "table.csv").read_bytes()
+
+
+def test_the_page_gives_the_configuration_of_workers_here():
+    flat = {}
+
+    def flatten(prefix, values):
+        for name, value in values.items():
+            if isinstance(value, dict):
+                flatten(f"{prefix}{name}.", value)
+            else:
+                flat[prefix + name] = value
+
+    flatten("", yaml.safe_load(CONFIGURATION))
+    assert flat == cluster_module.CONFIGURATION
 
 
 def test_the_table_is_the_same_from_everywhere(cluster, tmp_path, monkeypatch):

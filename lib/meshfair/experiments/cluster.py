@@ -26,10 +26,16 @@ if TYPE_CHECKING:
 
 WAIT = 60.0  # seconds for a first worker to come, and for another when none is left
 MESHES = 16  # that the cluster keeps beyond those in use
-# `dispatch` counts a worker's deaths, not the scheduler; and copies of meshes stay where they are.
-SCHEDULER = {
+# notebooks/SWEEPS.md has the same for clusters of one's own.
+CONFIGURATION = {
+    # `dispatch` counts a worker's deaths, not the scheduler.
     "distributed.scheduler.allowed-failures": 0,
+    # Copies of meshes stay where they are.
     "distributed.scheduler.active-memory-manager.start": False,
+    # Workers keep the memory of arrays that are freed: dask gives all but 64 kB back at once, and
+    # to get it again for the next array costs filters half as much time as all else.
+    "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": 134217728,
+    "distributed.nanny.pre-spawn-environ.MALLOC_MMAP_THRESHOLD_": 33554432,
 }
 # Ctrl-C reaches every process of a terminal; workers leave it to the one that started them.
 DEAF = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)"
@@ -75,7 +81,7 @@ def connect(
         stack.enter_context(_quiet())
         if scheduler is None:
             workers = check_count(workers, "workers", 1)
-            stack.enter_context(dask.config.set(SCHEDULER))
+            stack.enter_context(dask.config.set(CONFIGURATION))
             local = stack.enter_context(
                 distributed.LocalCluster(
                     n_workers=workers,
