@@ -93,8 +93,8 @@ def public_functions():
 
 FUNCTIONS = public_functions()
 # These take arrays that were checked already, and are called in every iteration of a filter,
-# or on the results of an experiment.
-TRUSTING = {"mesh.face_shapes", "experiments.part_errors"}
+# on the results of an experiment, or by `io.read`.
+TRUSTING = {"mesh.face_shapes", "experiments.part_errors", "io.Attributes"}
 # Widgets: they hand the mesh to a View, which checks it.
 WIDGETS = {name for name in FUNCTIONS if name.startswith("explorers.")}
 CHECKING = {name: FUNCTIONS[name] for name in FUNCTIONS if name not in TRUSTING | WIDGETS}

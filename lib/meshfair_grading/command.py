@@ -88,6 +88,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _instructors_file(assignment: str) -> Path:
     """The file of an assignment that is given by its path or, in a clone, by its name."""
+    from meshfair.checks import did_you_mean
     from meshfair_grading.generate import ASSIGNMENTS
 
     folder, path = ASSIGNMENTS / "source", Path(assignment)
@@ -102,5 +103,8 @@ def _instructors_file(assignment: str) -> Path:
             "this installation came without the assignments; give --assignment the path of an "
             f"instructor's file, such as notebooks/assignments/source/{path.name} of the repository"
         )
-    known = ", ".join(sorted(file.stem for file in folder.glob("*.py")))
-    raise ValueError(f"there is no assignment {assignment}; there are {known}")
+    known = sorted(file.stem for file in folder.glob("*.py"))
+    raise ValueError(
+        f"there is no assignment {assignment}; there are {', '.join(known)}"
+        f"{did_you_mean(assignment, known)}"
+    )

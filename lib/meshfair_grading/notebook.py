@@ -10,6 +10,7 @@ import runpy
 import traceback
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from types import TracebackType
 from typing import Any
 
@@ -133,4 +134,4 @@ def _say_what_is_not_done(
     tb_offset: int | None = None,
 ) -> None:
     stub = traceback.extract_tb(trace)[-1]
-    print(f"`{stub.name}` is not done yet ({stub.filename}, line {stub.lineno})")
+    print(f"`{stub.name}` is not done yet ({Path(stub.filename).name}, line {stub.lineno})")

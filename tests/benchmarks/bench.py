@@ -32,6 +32,8 @@ bench.csv has a row for each task and contender:
 filters.csv has a row for each filter: seconds with its default parameters, median of rounds.
 starting.csv has the seconds of a new process: Python alone, NumPy and SciPy imported, README's
 first example, nothing compiled before.
+files.csv has a row for each format: seconds to read a mesh, to read all that the file holds, to
+write the mesh, and to write it like the file; in memory.
 scaling.csv has a row for each size: vertices, faces, nanoseconds per vertex of each part
 (edges, cotangent, averaging, step, whole_flow) and peak_bytes_per_vertex, the most memory
 that the whole flow holds. sweeping.csv: see sweeping.py. machine.csv says what was measured on.
@@ -43,6 +45,7 @@ import multiprocessing
 import tempfile
 from pathlib import Path
 
+import files
 import filtering
 import measuring
 import numpy as np
@@ -256,13 +259,13 @@ def main(arguments=None):
             print(f"{library} is not installed, and left out")
         processes = {x: Process() for x in libraries if _installed(x)} | {COPY: Process()}
         bytes_of_step, bandwidths = bytes_to_move(mesh), []
-        files = {"flow": meshes[0][0]}
-        files |= dict.fromkeys((x for x in ROUNDS if IN_ORDER in x), in_order(mesh, folder))
+        mesh_of = {"flow": meshes[0][0]}
+        mesh_of |= dict.fromkeys((x for x in ROUNDS if IN_ORDER in x), in_order(mesh, folder))
         for task in options.task or ROUNDS:
             rounds = 1 if options.quick else options.rounds or ROUNDS[task]
             size = meshes[0][1:] if task == "flow" else (n, m)
             copied = []
-            of_task = compare(task, files.get(task, mesh), rounds, processes, copied)
+            of_task = compare(task, mesh_of.get(task, mesh), rounds, processes, copied)
             bandwidths += copied
             bandwidth = measuring.median(copied)
             print(f"{task} (memory copied at {bandwidth / 1e9:.1f} GB/s)")
@@ -279,6 +282,7 @@ def main(arguments=None):
             rounds = 1 if options.quick else options.rounds or 3
             tables["starting.csv"] = starting.table(1 if options.quick else 9)
             tables["filters.csv"] = filtering.table(rounds, options.quick)
+            tables["files.csv"] = files.table(meshes[0][0], rounds)
             tables["scaling.csv"] = scaling.table(meshes, rounds)
             tables["sweeping.csv"] = sweeping.table(options.quick)
     facts = [*measuring.machine(), ("copy GB/s", f"{measuring.median(bandwidths) / 1e9:.1f}")]

@@ -94,7 +94,7 @@ def score(
     Returns
     -------
     dict
-        Those of `meshfair.metrics.compare`; on the jet missile_error, see
+        The values of `meshfair.metrics.compare`; on the jet missile_error, see
         `meshfair.experiments.part_errors`; used, the parameters as JSON, and seconds; and
         with ``keep_mesh`` denoised, (V, F).
     """
@@ -107,8 +107,9 @@ def score(
         used = {name: value for name, value in result.parameters.items() if name != "fixed"}
         facts = {"used": json.dumps(used), "seconds": result.seconds}
     missiles = {"missile_error": part_errors(X, V, F)["missiles"]} if mesh == JET else {}
+    metrics = {name: measure.value for name, measure in compare(X, F, V, F).items()}
     kept = {"denoised": (X, F)} if keep_mesh else {}
-    return compare(X, F, V, F) | missiles | facts | kept
+    return metrics | missiles | facts | kept
 
 
 def quality(

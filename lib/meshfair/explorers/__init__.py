@@ -11,16 +11,15 @@ from meshfair.checks import needed_for
 
 with needed_for("an explorer"):
     from meshfair.explorers.curves import CurvePlot
+    from meshfair.explorers.eigenmodes import EigenmodeExplorer
     from meshfair.explorers.explorer import Explorer
     from meshfair.explorers.filters import FilterExplorer
-    from meshfair.explorers.flows import (
-        AveragingExplorer,
-        ComparisonExplorer,
-        DenoisingExplorer,
-        HeatExplorer,
-        JetExplorer,
-    )
+    from meshfair.explorers.heat import AveragingExplorer, ComparisonExplorer, HeatExplorer
+    from meshfair.explorers.jet import JetExplorer
+    from meshfair.explorers.low_pass import LowPassExplorer
+    from meshfair.explorers.neighbourhood import NeighbourhoodExplorer
     from meshfair.explorers.noises import NoiseExplorer
+    from meshfair.explorers.own_mesh import DenoisingExplorer
     from meshfair.explorers.prediction import Prediction
     from meshfair.explorers.stability import StabilityExplorer
 
@@ -29,10 +28,13 @@ __all__ = [
     "ComparisonExplorer",
     "CurvePlot",
     "DenoisingExplorer",
+    "EigenmodeExplorer",
     "Explorer",
     "FilterExplorer",
     "HeatExplorer",
     "JetExplorer",
+    "LowPassExplorer",
+    "NeighbourhoodExplorer",
     "NoiseExplorer",
     "Prediction",
     "StabilityExplorer",

@@ -37,7 +37,7 @@ def bilateral(
     radius: float = 2.0,
     fixed: ArrayLike | None = None,
 ) -> Iterator[tuple[float, Floats]]:
-    """Bilateral mesh denoising [FDCo03]_, as an iterator.
+    """Bilateral mesh denoising [FDCo03]_, as an iterator: vertices move along their normals.
 
     Each vertex moves along its normal n by a mean of the heights
     h = <q - v, n> of the vertices q around it (itself among them),

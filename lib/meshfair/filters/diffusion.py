@@ -43,7 +43,7 @@ def averaging(
     iterations: int = 2,
     fixed: ArrayLike | None = None,
 ) -> Iterator[tuple[float, Floats]]:
-    """Iterated averaging V~ = W~^s V, as an iterator.
+    """Iterated averaging V~ = W~^s V, as an iterator: each vertex moves to its neighbours' mean.
 
     Parameters
     ----------
@@ -203,7 +203,7 @@ def regularised(
     keep_volume: bool = False,
     fixed: ArrayLike | None = None,
 ) -> Iterator[tuple[float, Floats]]:
-    """Quadratic regularisation, as the original report's conclusion proposes it, as an iterator.
+    """Quadratic regularisation, as the original report proposes it, as an iterator: one solution.
 
     The minimiser of |V' - V|_M^2 + lambda E(V'), with a penalty on the gradient
     or, of second order, on the Laplacian:

@@ -139,7 +139,7 @@ def feature_convinced(
     shortest: int = 2,
     fixed: ArrayLike | None = None,
 ) -> Iterator[tuple[float, Floats]]:
-    """Feature-convinced mesh denoising [LLL19]_, as an iterator.
+    """Feature-convinced denoising [LLL19]_, as an iterator: no normals mix across creases.
 
     In each iteration
 

@@ -47,7 +47,7 @@ def guided_normal(
     vertex_iterations: int = 10,
     fixed: ArrayLike | None = None,
 ) -> Iterator[tuple[float, Floats]]:
-    """Guided mesh normal filtering [Zhang15]_, as an iterator.
+    """Guided normal filtering [Zhang15]_, as an iterator: patches tell which normals are similar.
 
     A joint bilateral filter: the weights
 

@@ -32,7 +32,7 @@ def l0(
     beta_max: float = 1e3,
     fixed: ArrayLike | None = None,
 ) -> Iterator[tuple[float, Floats]]:
-    """Mesh denoising by L0 minimisation [HS13]_, as an iterator.
+    """L0 minimisation [HS13]_, as an iterator: as few edges as possible are not flat.
 
     Seeks positions p near the noisy ones p* with few edges that are not flat,
 

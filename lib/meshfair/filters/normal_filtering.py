@@ -53,7 +53,7 @@ def sun(
     fix_boundary: bool = True,
     fixed: ArrayLike | None = None,
 ) -> Iterator[tuple[float, Floats]]:
-    """Fast and effective feature-preserving denoising [Sun07]_, as an iterator.
+    """Fast, feature-preserving denoising [Sun07]_, as an iterator: similar normals are averaged.
 
     The weights are, over the faces that share a vertex with face i, itself
     among them,
@@ -95,7 +95,7 @@ def bilateral_normal(
     fix_boundary: bool = True,
     fixed: ArrayLike | None = None,
 ) -> Iterator[tuple[float, Floats]]:
-    """Bilateral normal filtering, the local scheme [Zheng11]_, as an iterator.
+    """Bilateral normal filtering [Zheng11]_, as an iterator: near and similar normals are averaged.
 
     The weights are, over the faces j that share a vertex with face i, but not
     for face i itself,

@@ -198,8 +198,8 @@ def volume(V: ArrayLike, F: ArrayLike) -> float:
     """Signed volume that a closed mesh encloses, in cubed units of length.
 
     The sum of the signed volumes of the tetrahedra that the faces span with
-    the vertices' centre (the divergence theorem). On an open mesh it is the
-    volume of the cone over the surface from that centre.
+    the centre of their vertices (the divergence theorem). On an open mesh it is
+    the volume of the cone over the surface from that centre.
 
     Parameters
     ----------
@@ -212,5 +212,6 @@ def volume(V: ArrayLike, F: ArrayLike) -> float:
         Positive where the faces are counter-clockwise seen from outside.
     """
     V, F = check_mesh(V, F)
-    X = V - V.mean(axis=0)  # keeps the sum accurate far from the origin
+    # Keeps the sum accurate far from the origin.
+    X = V - V[np.unique(F)].mean(axis=0)
     return float(np.einsum("ij,ij->", X[F[:, 0]], Triangles(X, F).area_vectors) / 3)

@@ -11,7 +11,7 @@
 const RETRY = 3000; // ms until a first frame that did not come is asked for again
 const REST = 250; // ms without a new frame until good frames are asked for
 const SCROLL = 400; // ms within which a wheel goes on scrolling the page
-const HINT = "drag to turn · shift-drag to move · wheel to zoom";
+const HINT = "drag or arrow keys: turn · shift-drag: move · wheel or + -: zoom · R: reset";
 
 function element(name, className, parent) {
   const node = document.createElement(name);
@@ -30,28 +30,21 @@ function pause(milliseconds) {
   return new Promise((resolve) => setTimeout(resolve, milliseconds));
 }
 
-/** A number for people: three digits that count. */
-function tidy(number) {
-  const size = Math.abs(number);
-  if (size !== 0 && (size < 1e-3 || size >= 1e5)) return number.toExponential(1);
-  return String(Number(number.toPrecision(3)));
-}
-
 class Bar {
   constructor(parent) {
     this.node = element("span", "bar", parent);
+    this.label = element("span", "label", this.node);
     this.low = element("span", "low", this.node);
     this.colours = element("i", "", this.node);
     this.high = element("span", "high", this.node);
-    this.label = element("span", "label", this.node);
     this.show(null);
   }
 
   show(bar) {
     this.node.hidden = !bar;
     if (!bar) return;
-    this.low.textContent = tidy(bar.low);
-    this.high.textContent = tidy(bar.high);
+    this.low.textContent = bar.low;
+    this.high.textContent = bar.high;
     this.label.textContent = bar.label;
     this.colours.style.background = `linear-gradient(to right, ${bar.stops.join(",")})`;
   }
@@ -185,15 +178,9 @@ function render({ model, el }) {
   const error = element("span", "error", foot);
 
   let resting = 0;
-  const receive = async (message, buffers) => {
-    if (message.kind === "error") {
-      error.textContent = message.text;
-      moves.answered();
-      return;
-    }
-    if (message.kind !== "frame") return;
-    clearInterval(asking);
+  const show = async (message, buffers) => {
     error.textContent = "";
+    bar.show(message.bar);
     await Promise.all(
       message.panels.map(async (k, i) => {
         const { caption, stage, picture } = panels[k];
@@ -208,9 +195,24 @@ function render({ model, el }) {
         stage.dataset.draft = message.draft;
       }),
     );
-    bar.show(message.bar);
-    model.send({ kind: "shown" });
-    moves.answered();
+  };
+  const receive = async (message, buffers) => {
+    if (message.kind === "error") {
+      error.textContent = message.text;
+      moves.answered();
+      return;
+    }
+    if (message.kind !== "frame") return;
+    clearInterval(asking);
+    try {
+      await show(message, buffers);
+    } catch (failure) {
+      error.textContent = String(failure);
+    } finally {
+      // Whatever became of this frame: without an answer the next would not be sent.
+      model.send({ kind: "shown" });
+      moves.answered();
+    }
     // Good frames of other panels may come meanwhile: they do not put the rest off.
     if (message.draft) {
       clearTimeout(resting);
