@@ -49,9 +49,9 @@ HOSTILE = {
     "fork_bomb": (
         "os = __import__('os')\n"
         "def averaging(W):\n    while True:\n        try:\n            os.fork()\n"
-        "        except OSError:\n            __import__('time').sleep(0.1)\n",
+        "        except OSError:\n            raise MemoryError from None\n",
         17,
-        "ran out of time",
+        "`averaging`",
     ),
     "megabytes_of_output": (
         "def averaging(W):\n    for _ in range(100):\n        print('20 of 20 points ' * 100000)\n",
@@ -62,7 +62,7 @@ HOSTILE = {
         "def averaging(W):\n    with open('big', 'wb') as file:\n"
         "        file.write(bytes(10**9))\n",
         17,
-        "File too large",
+        "OSError",
     ),
     "syntax_error": ("def averaging(W)\n    return W\n", 0, "SyntaxError"),
     "not_utf8": ("# caf\xe9\n", 0, "UnicodeDecodeError"),
@@ -74,7 +74,7 @@ HOSTILE = {
         17,
         "no array of numbers",
     ),
-    "system_exit": ("raise SystemExit(0)\n", 0, "SystemExit"),
+    "system_exit": ("raise SystemExit(0)\n", 20, "SystemExit"),
     "exit_zero": (
         "os = __import__('os')\ndef averaging(W):\n    os._exit(0)\n",
         17,

@@ -49,7 +49,7 @@ EXTRAS = {
     "formats": {"collada", "lxml", "mapbox_earcut", "meshio", "networkx", "trimesh"},
     "experiments": {"pandas", "tqdm"},
     "cluster": {"dask", "distributed"},
-    "grading": {"jinja2", "jupytext", "markupsafe", "nbformat"},
+    "grading": {"jinja2", "jupytext", "markupsafe", "nbformat", "psutil"},
 }
 """Modules that are imported for some uses alone, by the extra that installs them."""
 

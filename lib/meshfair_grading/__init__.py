@@ -13,12 +13,18 @@ in the teacher's process, send it meshes that the student has not seen.
 ``students``    a student's functions, in this process or in another one
 ``answers``     what a function returned, as plain data
 ``rules``       which imports and calls an assignment allows
+``loading``     a student's file, run without what is not allowed
+``standin``     right functions in place of wrong ones, for the tasks after
 ``meshes``      the meshes that students have not seen
 ``protocol``    plain data between the two processes
-``isolation``   limits and namespaces of the other process
-``landlock``    which files it may read and write
+``walls``       what the other process sees: bubblewrap's walls around it
+``isolation``   starts it, with limits, and ends it
+``watch``       limits for all of its processes together
 ``child``       what runs inside
+``submissions`` what a class handed in, whatever it is called
 ``marking``     a whole class: in parallel, going on where it stopped
+``gradebook``   the results on the disk
+``printable``   texts that a student has a say in, made fit to be shown
 ``feedback``    the report as text, Markdown and HTML
 ``notebook``    pictures of a student's result
 ``generate``    ``python -m meshfair_grading.generate``

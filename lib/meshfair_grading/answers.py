@@ -5,9 +5,11 @@ import reprlib
 import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from numbers import Number
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csr_array, issparse
 
 # Far more than any task needs; a reply is held in memory on both sides.
@@ -46,6 +48,7 @@ class Failure:
     kind: str
     """not done, missing, raised, not allowed, not loaded, time limit, crashed."""
     message: str
+    """In words; for "not done" the name of the function that is still the stub."""
     line: int = 0
     """Line of the student's file, 0 where none is known."""
     code: str = ""
@@ -87,10 +90,21 @@ def ask(function: Callable[..., Any], arguments: Sequence[Any], file: str) -> An
             if not _same(before, after)
         )
         return Answer(value, changed)
-    except NotImplementedError:
-        return Answer(failure=Failure("not done", "not done yet"))
     except BaseException as error:  # sys.exit() in a function is a failure like any other
-        return Answer(failure=failure(error, file))
+        stub = _stub(error, file or getattr(getattr(function, "__code__", None), "co_filename", ""))
+        return Answer(failure=Failure("not done", stub) if stub else failure(error, file))
+
+
+def _stub(error: BaseException, file: str) -> str:
+    """The function of the student's file that is still the stub, or nothing.
+
+    Libraries raise NotImplementedError as well: the stub's stands in the file itself.
+    """
+    if not isinstance(error, NotImplementedError):
+        return ""
+    last = traceback.extract_tb(error.__traceback__)[-1]
+    raised = (last.line or "").startswith("raise NotImplementedError")
+    return last.name if raised and last.filename == file else ""
 
 
 def failure(error: BaseException, file: str) -> Failure:
@@ -152,7 +166,7 @@ def plain(value: Any, depth: int = 0) -> Any:
             _check_size(matrix)
             return matrix.astype(PLAIN[matrix.dtype.kind])
     try:
-        array = np.asarray(value)
+        array = _numbers(np.asarray(value))
     except Exception:  # ragged lists, or an object whose conversion fails
         array = np.empty(0, dtype=object)
     if array.dtype.kind in PLAIN:
@@ -161,6 +175,17 @@ def plain(value: Any, depth: int = 0) -> Any:
     if isinstance(value, (list, tuple)) and depth < DEEPEST and len(value) <= 100:
         return [plain(item, depth + 1) for item in value]
     return Other(type(value).__name__, _shown(value))
+
+
+def _numbers(array: NDArray[Any]) -> NDArray[Any]:
+    """An array of objects that are all numbers, as an array of numbers."""
+    if array.dtype.kind != "O" or array.size > LARGEST_ANSWER // 8:
+        return array
+    # Fractions and decimals are no numbers to NumPy, but know how to become one.
+    if all(isinstance(entry, Number) for entry in array.flat):
+        converted = np.array(array.tolist())
+        return array.astype(float) if converted.dtype.kind == "O" else converted
+    return array
 
 
 def _check_size(array: Any) -> None:

@@ -1,6 +1,7 @@
 """An assignment: its tasks, their points, and the checks that give them."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, TypeVar
@@ -8,11 +9,13 @@ from typing import Any, TypeVar
 from meshfair_grading.expect import WrongAnswerError
 from meshfair_grading.feedback import Report
 from meshfair_grading.outcomes import Graded, Outcome
-from meshfair_grading.rules import Rules
+from meshfair_grading.rules import Rules, reached
 from meshfair_grading.students import NotDoneError, NotebookStudent, Student
 
 # Cases of a check by seed: what is being tried, then the check's arguments after the student.
 Cases = Callable[[int], Iterable[tuple[Any, ...]]]
+# The student with the functions of these names replaced by right ones.
+Corrected = Callable[[list[str]], AbstractContextManager[Student]]
 
 # What right values are worth that cost the caller the input.
 SHARE_IN_PLACE = 0.5
@@ -54,12 +57,16 @@ class Assignment:
     module : str
         Name of the module with the student's functions, where they are not
         those of a submission.
+    solution : str
+        The student's file as the instructor would hand it in; empty where
+        only the visible checks are.
     """
 
     def __init__(self, name: str, title: str, *, rules: Rules | None = None, seed: int = 0) -> None:
         self.name, self.title, self.seed = name, title, seed
         self.rules = rules or Rules()
         self.module = name
+        self.solution = ""
         self.checks: list[Check] = []
         self._cases: dict[Cases, Cases] = {}
 
@@ -105,8 +112,17 @@ class Assignment:
             tasks[check.task] = tasks.get(check.task, 0) + check.points
         return tasks
 
-    def mark(self, student: Student, seed: int, task: str | None = None) -> list[Outcome]:
+    def mark(
+        self,
+        student: Student,
+        seed: int,
+        task: str | None = None,
+        corrected: Corrected | None = None,
+    ) -> list[Outcome]:
         """Run the checks on a student's functions.
+
+        A mistake costs where it was made: a task whose function calls others
+        of the file that are wrong is marked with right ones in their place.
 
         Parameters
         ----------
@@ -114,14 +130,28 @@ class Assignment:
         seed : int
         task : str, optional
             Run this task's checks only.
+        corrected : callable, optional
+            ``corrected(names)`` is a context whose value is the student with
+            these functions replaced by right ones. Without it the outcomes
+            only say which functions to mend first.
 
         Returns
         -------
         list of Outcome
             One for each check, in their order.
         """
-        chosen = [check for check in self.checks if task in (None, check.task)]
-        return [_outcome(check, student, seed) for check in chosen]
+        outcomes: list[Outcome] = []
+        wrong: list[str] = []
+        for name in [task] if task else self.tasks:
+            checks = [check for check in self.checks if check.task == name]
+            found = [_outcome(check, student, seed) for check in checks]
+            called = [one for one in wrong if one in reached(student.calls, name)]
+            if called and not _full(found):
+                found = _once_more(checks, found, called, seed, corrected)
+            if not _full(found):
+                wrong.append(name)
+            outcomes += found
+        return outcomes
 
     def __call__(self, task: str | None = None) -> Report:
         """Check what is in the notebook's module now, and report."""
@@ -135,26 +165,39 @@ class Assignment:
         return self(task).earned
 
 
+def _full(outcomes: list[Outcome]) -> bool:
+    return all(outcome.status == "right" for outcome in outcomes)
+
+
+def _once_more(
+    checks: list[Check],
+    found: list[Outcome],
+    called: list[str],
+    seed: int,
+    corrected: Corrected | None,
+) -> list[Outcome]:
+    """The outcomes of a task that calls wrong functions, with right ones in their place."""
+    names = " and ".join(f"`{name}`" for name in called)
+    if corrected is None:
+        note = f"This calls {names}, not right yet either: mend that first."
+        return [one if one.status == "right" else replace(one, note=note) for one in found]
+    note = f"Marked with a right {names} in place of yours, so that a mistake costs only once."
+    with corrected(called) as student:
+        again = [replace(_outcome(check, student, seed), note=note) for check in checks]
+    return [
+        one if one.status == "right" or one.earned > other.earned else other
+        for one, other in zip(found, again, strict=True)
+    ]
+
+
 def _outcome(check: Check, student: Student, seed: int) -> Outcome:
     """Run one check on all its cases; the one with the smallest share decides."""
     outcome = Outcome(check.task, check.title, check.points, 0.0, "wrong")
     student.changed = []
-    found = []
-    for tried, *arguments in check.cases(seed):
-        try:
-            found.append((check.run(student, *arguments) or Graded(1.0), tried))
-        except NotDoneError as error:
-            return replace(outcome, status="not done", hint=str(error))
-        except WrongAnswerError as wrong:
-            hint = f"On {tried}: {wrong.hint}"
-            return replace(outcome, hint=hint, expected=wrong.expected, got=wrong.got)
-        except OSError:  # no process could be started: an error of this machine, not of the student
-            raise
-        except Exception as error:  # an answer so odd that the check trips over it
-            message = f"{type(error).__name__}: {error}"
-            hint = f"On {tried}: the check cannot make sense of your answer ({message})."
-            return replace(outcome, hint=hint)
-    graded, tried = min(found, key=lambda pair: (pair[0].share, pair[0].metric or 0.0))
+    try:
+        graded, tried = _decisive(list(_cases(check, student, seed)))
+    except NotDoneError as error:
+        return replace(outcome, status="not done", hint=str(error))
     outcome = replace(
         outcome,
         earned=round(2 * check.points * graded.share) / 2,  # half points
@@ -175,3 +218,41 @@ def _outcome(check: Check, student: Student, seed: int) -> Outcome:
         )
     full = outcome.earned == outcome.points
     return replace(outcome, status="right" if full else "partly" if outcome.earned else "wrong")
+
+
+def _cases(
+    check: Check, student: Student, seed: int
+) -> Iterator[tuple[Graded | WrongAnswerError, str]]:
+    """What a check finds on its cases: all of them, or up to the first that settles it."""
+    for tried, *arguments in check.cases(seed):
+        try:
+            yield check.run(student, *arguments) or Graded(1.0), tried
+        except WrongAnswerError as wrong:
+            yield wrong, tried
+            if not (wrong.explanations or wrong.share):
+                return
+        except (NotDoneError, OSError):  # OSError: no process could be started here
+            raise
+        except Exception as error:  # an answer so odd that the check trips over it
+            message = f"{type(error).__name__}: {error}"
+            hint = f"the check cannot make sense of your answer ({message})."
+            yield Graded(0.0, hint), tried
+            return
+
+
+def _decisive(found: list[tuple[Graded | WrongAnswerError, str]]) -> tuple[Graded, str]:
+    """The case that costs most, and the hint that explains all wrong cases."""
+    one, tried = min(
+        found,
+        key=lambda pair: (pair[0].share, getattr(pair[0], "metric", None) or 0.0),
+    )
+    if isinstance(one, Graded):
+        return one, tried
+    others = [wrong.explanations for wrong, _ in found if isinstance(wrong, WrongAnswerError)]
+    shared = (
+        explanation
+        for explanation in one.explanations or ()
+        if all(explanation in other for other in others if other is not None)
+    )
+    hint = next(shared, one.hint)
+    return Graded(one.share, hint, one.expected, one.got), tried

@@ -1,63 +1,61 @@
 """The process in which a student's code runs: loads the file, answers calls.
 
-Started by ``isolation`` with the words CHANNEL LIMITS USER, in JSON.
+Started by ``isolation`` with words in JSON: channel, limits, compiled.
 Only requests come in and values go out; no right answer is ever here.
 """
 
-import importlib
-import importlib.util
+import contextlib
 import json
+import os
 import resource
+import shutil
 import socket
 import sys
 from dataclasses import replace
-from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import scipy.sparse.linalg  # noqa: F401  here once, so that no student's time limit pays for it
 
-from meshfair_grading import landlock, privileges, protocol
+from meshfair_grading import protocol
 from meshfair_grading.answers import Answer, Failure, ask, failure
-from meshfair_grading.rules import ImportBlocker, Rules, broken_rules
-
-# What Python and its libraries read beside their own files.
-SYSTEM = ("/usr", "/lib", "/lib64", "/bin", "/etc/ld.so.cache", "/etc/localtime", "/proc/self")
-DEVICES = ("/dev/null", "/dev/zero", "/dev/random", "/dev/urandom")
+from meshfair_grading.loading import load
+from meshfair_grading.rules import ImportBlocker, Rules
 
 
-def main(descriptor: int, limits: dict[str, int], user: int | None) -> None:
+def main(words: dict[str, Any]) -> None:
     """Answer calls until the channel is closed.
 
     Parameters
     ----------
-    descriptor : int
-        File descriptor of the socket to the teacher's process.
-    limits : dict of str to int
-        cpu in seconds, memory and file in bytes, processes, files.
-    user : int or None
-        Whom to become.
+    words : dict
+        channel: file descriptor of the socket to the teacher's process. limits: cpu in seconds,
+        memory and file in bytes, processes, files. compiled: a folder of what numba has
+        compiled, or None.
     """
-    channel = socket.socket(fileno=descriptor)
-    confined = landlock.confine(
-        [*SYSTEM, sys.prefix, sys.base_prefix, *sys.path, Path(__file__).parents[1]],
-        [*DEVICES, Path.cwd()],
-    )
-    if user is not None:
-        privileges.become(user, keep_reading=confined)
-    _limit(limits)
-    # Restrictions that hide Python from itself show here, not in a student's marks.
-    importlib.import_module("colorsys")
-    protocol.send(channel, {"confined": confined})
+    channel = socket.socket(fileno=words["channel"])
+    if words["compiled"]:
+        if words["keep_compiled"]:
+            os.environ["NUMBA_CACHE_DIR"] = words["compiled"]
+        else:  # numba wants to write to it
+            shutil.copytree(words["compiled"], os.environ["NUMBA_CACHE_DIR"])
+    _limit(words["limits"])
+    with contextlib.suppress(EOFError):
+        _answer(channel)
+    # Whatever the code has left running ends now, and not when it likes to.
+    sys.stdout.flush()
+    os._exit(0)
+
+
+def _answer(channel: socket.socket) -> None:
+    protocol.send(channel, {})
     request = protocol.receive(channel)
     file = request["load"]
     rules = Rules(*(tuple(request[key]) for key in ("allowed", "forbidden", "blocked")))
-    module, failures = _load(file, rules)
-    protocol.send(channel, failures)
+    module, said = _load(file, rules)
+    protocol.send(channel, said)
     while True:
-        try:
-            request = protocol.receive(channel)
-        except EOFError:
-            return
+        request = protocol.receive(channel)
         function = getattr(module, request["call"], None)
         if callable(function):
             protocol.send(channel, ask(function, request["arguments"], file))
@@ -82,25 +80,15 @@ def _limit(limits: dict[str, int]) -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def _load(file: str, rules: Rules) -> tuple[ModuleType | None, dict[str, Failure]]:
-    """The student's module, and why functions of it (or "" for all) cannot be asked."""
-    try:
-        failures = broken_rules(Path(file).read_bytes(), rules)
-    except BaseException as error:
-        return None, {"": _not_loaded(error, file)}
-    if "" in failures:
-        return None, failures
+def _load(file: str, rules: Rules) -> tuple[ModuleType | None, dict[str, Any]]:
+    """The student's module, and what there is to say about it."""
     sys.meta_path.insert(0, ImportBlocker(rules))
-    spec = importlib.util.spec_from_file_location(Path(file).stem, file)
-    assert spec is not None  # it is a path that ends in .py
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
     try:
-        spec.loader.exec_module(module)
-    except BaseException as error:  # sys.exit() at module level as well
-        return None, {"": _not_loaded(error, file)}
-    return module, failures
+        module, reading = load(file, rules)
+    except BaseException as error:
+        return None, {"failures": {"": _not_loaded(error, file)}, "remarks": [], "calls": {}}
+    said = {"failures": reading.failures, "remarks": reading.remarks, "calls": reading.calls}
+    return module, said
 
 
 def _not_loaded(error: BaseException, file: str) -> Failure:
@@ -108,4 +96,4 @@ def _not_loaded(error: BaseException, file: str) -> Failure:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]), json.loads(sys.argv[2]), json.loads(sys.argv[3]))
+    main(json.loads(sys.argv[1]))

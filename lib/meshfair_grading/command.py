@@ -7,11 +7,13 @@ new or has changed.
 
 import argparse
 import sys
+from collections.abc import Callable
 from importlib.util import find_spec
+from math import isfinite
 from pathlib import Path
 
 # Beside what marks submissions: to read an instructor's file, to write feedback, to show progress.
-NEEDED = ("jupytext", "nbformat", "jinja2", "tqdm")
+NEEDED = ("jupytext", "nbformat", "jinja2", "packaging", "psutil", "tqdm")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -23,14 +25,53 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--assignment", required=True, help="a1 ... a5, or the path of an instructor's file"
     )
     parser.add_argument("--out", type=Path, required=True, help="the CSV to write")
-    parser.add_argument("--seed", type=int, help="of the unseen meshes (new each year)")
-    parser.add_argument("--jobs", type=int, default=2, help="submissions at a time (default 2)")
     parser.add_argument(
-        "--seconds", type=float, default=10.0, help="limit for each call of a function (default 10)"
+        "--force", action="store_true", help="write over files that this command did not make"
+    )
+    parser.add_argument("--seed", type=_whole(0), help="of the unseen meshes (new each year)")
+    parser.add_argument(
+        "--jobs", type=_whole(1), default=2, help="submissions at a time (default 2)"
     )
     parser.add_argument(
-        "--memory", type=float, default=2.0, help="limit in gigabytes (default 2)"
-    )  # fmt: skip
+        "--seconds",
+        type=_above_zero,
+        default=10.0,
+        help="limit for each call of a function (default 10)",
+    )
+    parser.add_argument(
+        "--memory", type=_above_zero, default=2.0, help="limit in gigabytes (default 2)"
+    )
+    parser.add_argument(
+        "--without-walls",
+        action="store_true",
+        help="mark where bubblewrap does not work, too: for a machine that you can throw away",
+    )
+
+
+def _whole(least: int) -> Callable[[str], int]:
+    """The type of an option that is a whole number."""
+
+    def number(text: str) -> int:
+        try:
+            value = int(text)
+        except ValueError:
+            value = least - 1
+        if value < least:
+            raise argparse.ArgumentTypeError(f"{text!r}; give a whole number of at least {least}")
+        return value
+
+    return number
+
+
+def _above_zero(text: str) -> float:
+    """The type of an option that is a finite number above zero."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not (value > 0 and isfinite(value)):
+        raise argparse.ArgumentTypeError(f"{text!r}; give a number above 0")
+    return value
 
 
 def run(options: argparse.Namespace) -> int:
@@ -43,8 +84,9 @@ def run(options: argparse.Namespace) -> int:
 
     Raises
     ------
-    ValueError
-        No such assignment, or no submissions.
+    ValueError, OSError
+        No such assignment, no submissions, or no walls; results that would be written over
+        somebody's files.
     NotInstalledError
         A library is missing.
     """
@@ -61,11 +103,10 @@ def run(options: argparse.Namespace) -> int:
     from meshfair_grading.source import Source
 
     source = Source.read(_instructors_file(options.assignment))
-    isolation = Isolation.detect(
-        Limits(
-            call=options.seconds, total=6 * options.seconds, memory=round(options.memory * 1e9)
-        )
-    )  # fmt: skip
+    limits = Limits(
+        call=options.seconds, total=6 * options.seconds, memory=round(options.memory * 1e9)
+    )
+    isolation = Isolation.detect(limits, without_walls=options.without_walls)
     for line in isolation.describe():
         print(line, file=sys.stderr)
     marks = grade(
@@ -75,6 +116,7 @@ def run(options: argparse.Namespace) -> int:
         isolation,
         seed=options.seed,
         jobs=options.jobs,
+        force=options.force,
         progress=lambda marks, total: tqdm(marks, total=total, unit="student"),
     )
     earned = [sum(outcome.earned for outcome in mark.outcomes) for mark in marks]
@@ -84,6 +126,21 @@ def run(options: argparse.Namespace) -> int:
         f"mean {sum(earned) / len(earned):.1f} points: {options.out}"
     )
     return 0
+
+
+def walls_of_this_system() -> tuple[str, str, str]:
+    """What `meshfair doctor` says of the walls around submissions.
+
+    Returns
+    -------
+    state, found, advice : str
+    """
+    from meshfair_grading.walls import trouble
+
+    found = trouble()
+    if not found:
+        return "ok", "bubblewrap keeps submissions in", ""
+    return "note", found, "without it meshfair grade marks with --without-walls only"
 
 
 def _instructors_file(assignment: str) -> Path:

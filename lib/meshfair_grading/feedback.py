@@ -61,7 +61,7 @@ class Report:
                 lines += [f"          {name + ':':10}{value}" for name, value in _details(o)]
         if self.printed:
             lines += ["Your code printed:", self.printed]
-        return "\n".join(lines)
+        return _printable("\n".join(lines))
 
     def markdown(self) -> str:
         """The report in Markdown.
@@ -70,17 +70,17 @@ class Report:
         -------
         str
         """
-        lines = [f"# {self.heading}", "", f"**{self.score}**", ""]
-        lines += [f"{_quoted(remark)}\n" for remark in self.remarks]
+        lines = [f"# {quoted(self.heading)}", "", f"**{self.score}**", ""]
+        lines += [f"{quoted(remark)}\n" for remark in self.remarks]
         for task, outcomes in self.by_task():
             earned = sum(o.earned for o in outcomes)
             lines += [f"## `{task}`: {earned:g} of {sum(o.points for o in outcomes):g}", ""]
             for o in outcomes:
                 lines.append(f"- {MARKS[o.status]} **{o.earned:g}/{o.points:g}** {o.title}")
-                lines += [f"    - {name}: {_quoted(value)}" for name, value in _details(o)]
+                lines += [f"    - {name}: {quoted(value)}" for name, value in _details(o)]
             lines.append("")
         if self.printed:
-            indented = "\n".join(f"    {line}" for line in self.printed.splitlines())
+            indented = "\n".join(f"    {_printable(line)}" for line in self.printed.split("\n"))
             lines += ["## What the code printed", "", indented, ""]
         return "\n".join(lines)
 
@@ -105,7 +105,7 @@ class Report:
     def by_task(self) -> list[tuple[str, list[Outcome]]]:
         """The tasks, each with its outcomes."""
         tasks = dict.fromkeys(outcome.task for outcome in self.outcomes)
-        return [(task, _in_one([o for o in self.outcomes if o.task == task])) for task in tasks]
+        return [(task, _brief([o for o in self.outcomes if o.task == task])) for task in tasks]
 
     def __repr__(self) -> str:
         return self.text()
@@ -114,16 +114,25 @@ class Report:
         return self.html()
 
 
-def _in_one(outcomes: list[Outcome]) -> list[Outcome]:
-    """A task's outcomes; one for all where the task is not done."""
-    if {outcome.status for outcome in outcomes} != {"not done"}:
-        return outcomes
-    points = sum(outcome.points for outcome in outcomes)
-    return [replace(outcomes[0], title=outcomes[0].hint, points=points, hint="")]
+def _brief(outcomes: list[Outcome]) -> list[Outcome]:
+    """A task's outcomes without repetitions: one for all where the task is not done."""
+    if {outcome.status for outcome in outcomes} == {"not done"}:
+        points = sum(outcome.points for outcome in outcomes)
+        return [replace(outcomes[0], title=outcomes[0].hint, points=points, hint="")]
+    notes = [outcome.note for outcome in outcomes]
+    return [
+        replace(outcome, note="" if outcome.note in notes[:place] else outcome.note)
+        for place, outcome in enumerate(outcomes)
+    ]
 
 
 def _details(outcome: Outcome) -> list[tuple[str, str]]:
-    rows = ("expected", outcome.expected), ("got", outcome.got), ("hint", outcome.hint)
+    rows = (
+        ("expected", outcome.expected),
+        ("got", outcome.got),
+        ("hint", outcome.hint),
+        ("note", outcome.note),
+    )
     return [(name, value) for name, value in rows if value]
 
 
@@ -154,8 +163,18 @@ def _with_code(text: str) -> Markup:
     return Markup(re.sub("`([^`]*)`", r"<code>\1</code>", html.escape(_printable(text))))
 
 
-def _quoted(text: str) -> str:
-    """Text with a student's words in it, so that it cannot be markup: one line, no HTML."""
+def quoted(text: str) -> str:
+    """A line of Markdown of a text with a student's words in it, which cannot be markup.
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    str
+        One line, without HTML.
+    """
     return (
         html.escape(_printable(" ".join(text.split()))).replace("|", "&#124;").replace("[", "&#91;")
     )

@@ -30,3 +30,5 @@ class Outcome:
     expected: str = ""
     got: str = ""
     metric: float | None = None
+    note: str = ""
+    """On which functions of the file this was marked, where not on the student's own alone."""

@@ -120,6 +120,7 @@ class Source:
             raise ValueError(
                 f"{self.path} is no instructor's file: no cell '# %% checks' makes a `check`"
             )
+        check.solution = self.solution()
         return check
 
     def solution(self) -> str:

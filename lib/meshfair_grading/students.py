@@ -18,7 +18,8 @@ from meshfair_grading import protocol
 from meshfair_grading.answers import Answer, Failure, ask, failure
 from meshfair_grading.expect import WrongAnswerError
 from meshfair_grading.isolation import Isolation, Process
-from meshfair_grading.rules import Rules, broken_rules
+from meshfair_grading.loading import MOST_REMARKS
+from meshfair_grading.rules import Rules, read
 
 
 class NotDoneError(Exception):
@@ -31,6 +32,8 @@ class Student:
     def __init__(self) -> None:
         self.changed: list[tuple[str, int]] = []
         """Function and index of each argument that the current check's calls changed."""
+        self.calls: dict[str, list[str]] = {}
+        """By function: the functions of the student's file that it names."""
         self._answers: dict[tuple[Any, ...], tuple[tuple[Any, ...], Answer]] = {}
 
     def _ask(self, name: str, arguments: tuple[Any, ...]) -> Answer:
@@ -76,7 +79,7 @@ class Student:
 def _explained(name: str, failure: Failure) -> Exception:
     """The exception that a check ends with when there is no value."""
     if failure.kind == "not done":
-        return NotDoneError(f"`{name}` is not done yet")
+        return NotDoneError(f"`{failure.message}` is not done yet")
     got = f"line {failure.line}: {failure.code}" if failure.line else failure.kind
     openings = {
         "missing": f"There is no function `{name}`: keep the names of the stub.",
@@ -110,7 +113,8 @@ class NotebookStudent(Student):
             self._module = sys.modules.get(module) or importlib.import_module(module)
             self._file = getattr(self._module, "__file__", None) or ""
             if self._file:
-                self._failures = broken_rules(Path(self._file).read_bytes(), rules)
+                reading = read(Path(self._file).read_bytes(), rules)
+                self._failures, self.calls = reading.failures, reading.calls
         except Exception as error:  # whatever the student's module raises
             self._module, self._file = None, ""
             line = traceback.extract_tb(error.__traceback__)[-1].lineno or 0
@@ -142,11 +146,14 @@ class IsolatedStudent(Student):
     ----------
     printed : str
         The beginning of what the code printed.
+    remarks : list of str
+        What of the file was left out.
     """
 
     def __init__(self, source: bytes, assignment: str, rules: Rules, isolation: Isolation) -> None:
         super().__init__()
         self.printed = ""
+        self.remarks: list[str] = []
         self._source, self._assignment = source, assignment
         self._rules, self._isolation = rules, isolation
         self._left = isolation.limits.total
@@ -163,6 +170,11 @@ class IsolatedStudent(Student):
         trace: TracebackType | None,
     ) -> None:
         self._stop()
+
+    @property
+    def left(self) -> float:
+        """Seconds that the submission may still use."""
+        return max(self._left, 0.0)
 
     @property
     def whole_file(self) -> Failure | None:
@@ -183,7 +195,9 @@ class IsolatedStudent(Student):
         return Answer(failure=self._failures[name])
 
     def _start(self) -> None:
-        self._process = self._isolation.start(self._source, f"{self._assignment}.py")
+        self._process = self._isolation.start(
+            self._source, f"{self._assignment}.py", self._rules.allowed
+        )
         request = {
             "load": self._process.file,
             "allowed": list(self._rules.allowed),
@@ -196,9 +210,19 @@ class IsolatedStudent(Student):
             text = slow if lost.kind == "time limit" else f"the process {lost.message}"
             self._failures[""] = Failure("not loaded", text)
         elif isinstance(reply, dict):
-            self._failures |= {k: v for k, v in reply.items() if isinstance(v, Failure)}
+            self._hear(reply)
         if "" in self._failures:
             self._stop()
+
+    def _hear(self, said: dict[str, Any]) -> None:
+        """Take in what the child says about the file; it need not be the truth."""
+        failures, remarks, calls = (said.get(key) for key in ("failures", "remarks", "calls"))
+        if isinstance(failures, dict):
+            self._failures |= {k: v for k, v in failures.items() if isinstance(v, Failure)}
+        if isinstance(remarks, list) and not self.remarks:
+            self.remarks = [str(remark) for remark in remarks[:MOST_REMARKS]]
+        if isinstance(calls, dict):
+            self.calls = {k: [str(n) for n in v] for k, v in calls.items() if isinstance(v, list)}
 
     def _exchange(self, request: dict[str, Any]) -> tuple[Any, Failure | None]:
         """Send a request and wait for the reply: (reply, why the process is lost)."""
@@ -221,19 +245,20 @@ class IsolatedStudent(Student):
             return None, Failure("crashed", f"disturbed its channel: {error}")
         except (EOFError, OSError):
             # It has closed the channel, so its end is near: its exit code tells why.
-            return None, Failure("crashed", _death(self._stop(patience=2.0)))
+            code, excess = self._stop(patience=2.0)
+            return None, Failure("crashed", excess or _death(code))
         finally:
             # Only the student's time counts, not what the checks take in between.
             self._left -= time.monotonic() - start
 
-    def _stop(self, patience: float = 0.0) -> int | None:
-        """End the process, keep what it printed; returns its exit code."""
+    def _stop(self, patience: float = 0.0) -> tuple[int | None, str]:
+        """End the process, keep what it printed: its exit code, and what it used too much of."""
         if self._process is None:
-            return None
+            return None, ""
         process, self._process = self._process, None
-        code, printed = process.stop(patience)
+        code, printed, excess = process.stop(patience)
         self.printed = self.printed or printed
-        return code
+        return code, excess
 
 
 def _death(code: int | None) -> str:

@@ -1,6 +1,6 @@
 # task: mean_edge_length
 # points: 1.5
-# hint: Go through the edges
+# hint: Inner edges count twice
 import numpy as np
 
 

@@ -1,6 +1,6 @@
 # task: add_noise
 # points: 3
-# hint: Did you draw three numbers
+# hint: you drew three numbers
 
 
 def add_noise(V, N, eps, rng):

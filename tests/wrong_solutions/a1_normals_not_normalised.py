@@ -1,6 +1,6 @@
 # task: face_normals
 # points: 0
-# hint: not of length one
+# hint: what is missing is the division
 import numpy as np
 
 

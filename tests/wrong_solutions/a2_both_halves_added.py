@@ -1,6 +1,6 @@
 # task: combinatorial_weights
 # points: 1
-# hint: did you add both halves
+# hint: All weights are 2
 import numpy as np
 from scipy.sparse import coo_array
 

@@ -1,6 +1,6 @@
 # task: cotangent_weights
 # points: 5
-# hint: twice the right ones
+# hint: the half of (cot alpha
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 

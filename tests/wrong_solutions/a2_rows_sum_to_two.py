@@ -1,6 +1,6 @@
 # task: averaging
 # points: 0
-# hint: did you add both halves of an edge
+# hint: Your rows sum to 2
 from scipy.sparse import csr_array, diags_array
 
 

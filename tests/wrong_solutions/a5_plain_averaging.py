@@ -1,5 +1,5 @@
 # task: denoise
-# points: 6
+# points: 8
 # hint: For all points of this part
 from meshfair import operators, weights
 

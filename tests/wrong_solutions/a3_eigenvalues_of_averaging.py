@@ -1,0 +1,8 @@
+# task: largest_stable_step
+# points: 0
+# hint: those of I - A decide
+import numpy as np
+
+
+def largest_stable_step(A):
+    return 2 / np.abs(np.linalg.eigvals(A.toarray())).max()

@@ -1,0 +1,11 @@
+# task: restore_volume
+# points: 0
+# hint: 6 times the right one
+import numpy as np
+
+
+def restore_volume(V, F, volume):
+    a, b, c = V[F[:, 0]], V[F[:, 1]], V[F[:, 2]]
+    now = (a * np.cross(b, c)).sum() / 1
+    centre = V.mean(axis=0)
+    return centre + np.cbrt(volume / now) * (V - centre)
