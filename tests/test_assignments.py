@@ -7,6 +7,8 @@ import re
 import shutil
 import sys
 import types
+import warnings
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -64,20 +66,89 @@ def test_the_checks_that_students_get_need_nothing_that_is_hidden(name, mark):
     assert report.earned == report.points == 20, report.text()
 
 
+@cache
+def header(path):
+    """What the first lines of a wrong solution say: task, points, hint, and other hints."""
+    text = path.read_text(encoding="utf-8")
+    return {"also": ""} | dict(re.findall(r"^# (task|points|hint|also): (.*)$", text, re.M))
+
+
+@pytest.fixture(scope="session")
+def wrong_report(tmp_path_factory):
+    """The report of a wrong solution, made once."""
+
+    @cache
+    def report(path):
+        name, expected = path.stem[:2], header(path)
+        file = tmp_path_factory.mktemp("wrong") / f"{name}.py"
+        # The last definition of a function counts, so that the rest of the file is right.
+        text = SOURCES[name].solution() + path.read_text(encoding="utf-8")
+        file.write_text(text, encoding="utf-8")
+        with pytest.MonkeyPatch.context() as patch, warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)  # they divide by zero
+            spec = importlib.util.spec_from_file_location(name, file)
+            module = importlib.util.module_from_spec(spec)
+            spec.loader.exec_module(module)
+            patch.setitem(sys.modules, name, module)
+            student = NotebookStudent(name, LOADED[name].rules)
+            return Report(name, LOADED[name].mark(student, SEED, expected["task"]))
+
+    return report
+
+
 @pytest.mark.parametrize("path", WRONG, ids=lambda path: path.stem)
-def test_a_typical_mistake_gets_its_points_and_its_hint(path, mark):
-    name, text = path.stem[:2], path.read_text(encoding="utf-8")
-    expected = dict(re.findall(r"^# (task|points|hint): (.*)$", text, re.M))
-    # The last definition of a function counts, so that the rest of the file is right.
-    report = mark(name, SOURCES[name].solution() + text, expected["task"])
+def test_a_typical_mistake_gets_its_points_and_its_hint(path, wrong_report):
+    report, expected = wrong_report(path), header(path)
     assert report.earned == float(expected["points"]), report.text()
     assert report.earned < report.points
     assert any(expected["hint"] in outcome.hint for outcome in report.outcomes), report.text()
 
 
+@pytest.mark.parametrize("path", WRONG, ids=lambda path: path.stem)
+def test_no_mistake_gets_the_hint_of_another(path, wrong_report):
+    report, own = wrong_report(path), header(path)
+    others = {header(other)["hint"] for other in WRONG if other.stem[:2] == path.stem[:2]}
+    others = {one for one in others if one not in own["hint"] and own["hint"] not in one}
+    hints = [outcome.hint for outcome in report.outcomes]
+    got = {one for one in others if any(one in hint for hint in hints)}
+    assert got == set(filter(None, own["also"].split("; "))), report.text()
+
+
+@pytest.mark.parametrize("path", WRONG, ids=lambda path: path.stem)
+def test_feedback_never_shows_two_equal_numbers(path, wrong_report):
+    for outcome in wrong_report(path).outcomes:
+        expected, got = (
+            re.findall(r"-?\d+\.\d+(?:e[+-]\d+)?", text) for text in (outcome.expected, outcome.got)
+        )
+        if outcome.status != "right":
+            assert not (expected and expected[-1:] == got[:1]), outcome
+            assert outcome.expected != outcome.got, outcome
+
+
+# So many of the checks that a wrong solution fails say what the mistake is, and not only that
+# there is one. What is left needs a look at the code, not at the values.
+LEAST_RATE = 0.95
+GENERIC = re.compile(r"The values of .* are wrong|entries that are not finite|cannot make sense")
+
+
+def test_most_failed_checks_name_the_mistake(wrong_report):
+    failed = [
+        outcome.hint
+        for path in WRONG
+        for outcome in wrong_report(path).outcomes
+        if outcome.status in ("wrong", "partly")
+    ]
+    named = [hint for hint in failed if not GENERIC.search(hint)]
+    print(
+        f"{len(WRONG)} wrong solutions: {len(named)} of {len(failed)} failed checks are explained"
+    )
+    assert len(named) >= LEAST_RATE * len(failed)
+
+
 def test_there_are_wrong_solutions_of_every_assignment():
-    assert len(WRONG) >= 12
-    assert {path.stem[:2] for path in WRONG} == set(NAMES)
+    assert len(WRONG) >= 100
+    tasks = {(path.stem[:2], header(path)["task"]) for path in WRONG}
+    assert tasks == {(name, task) for name in NAMES for task in LOADED[name].tasks}
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -264,7 +264,7 @@ def _explain(
             wrong.hint, expected=wrong.expected, got=wrong.got, explanations=explanations or None
         )
     explanations = explanations + [
-        hint for hint, values in _general(expected, name) if alike(got, values, tolerance)
+        hint for hint, values in _general(got, expected, name) if alike(got, values, tolerance)
     ]
     error = np.abs(got - expected)
     worst = np.unravel_index(np.argmax(error), expected.shape)
@@ -369,7 +369,7 @@ def _explains(
         return alike(scaled(got), scaled(values), tolerance)
 
 
-def _general(expected: Floats, name: str) -> Iterator[tuple[str, Any]]:
+def _general(got: Floats, expected: Floats, name: str) -> Iterator[tuple[str, Any]]:
     """Mistakes that any values can have."""
     for factor in COMMON_FACTORS:
         hint = f"Your {name} is {factor:.3g} times the right one."
@@ -377,6 +377,13 @@ def _general(expected: Floats, name: str) -> Iterator[tuple[str, Any]]:
     yield f"All of {name} is zero.", np.zeros_like(expected)
     if expected.ndim == 2 and expected.shape[0] == expected.shape[1]:
         yield f"This is the transpose of {name}.", expected.T
+    if expected.size > 3:
+        factor = float((got * expected).sum() / ((expected**2).sum() or 1.0))
+        yield f"Your {name} is {factor:.4g} times the right one.", factor * expected
+    if expected.ndim == 2 and expected.shape[1] == 3:
+        shift = (got - expected).mean(axis=0)
+        shown = ", ".join(f"{x:.3g}" for x in shift)
+        yield f"{name} is right up to a shift: all rows are off by ({shown}).", expected + shift
     there = expected != 0
     functions = {"absolute values": np.abs, "squares": np.square, "reciprocals": np.reciprocal,
                  "square roots": np.sqrt}  # fmt: skip

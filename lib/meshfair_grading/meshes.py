@@ -31,10 +31,10 @@ def unseen(seed: int, *, ring: bool = False, opened: bool = False) -> tuple[Floa
     """
     rng = np.random.default_rng([seed, ring, opened])
     if ring:
-        sides = rng.integers(7, 13)
-        V, F = torus(sections=rng.integers(140, 201) // sides, sides=sides)
+        sides = int(rng.integers(7, 13))
+        V, F = torus(sections=int(rng.integers(140, 201)) // sides, sides=sides)
     else:
-        V, F = sphere(rng.integers(130, 191), rng)
+        V, F = sphere(int(rng.integers(130, 191)), rng)
     V = V * rng.uniform(0.6, 1.8, 3)
     direction, phase = rng.standard_normal((3, 3)), rng.uniform(0, 2 * np.pi, 3)
     V = V + 0.15 * np.sin(V @ direction + phase)

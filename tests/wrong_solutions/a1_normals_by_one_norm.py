@@ -1,6 +1,7 @@
 # task: face_normals
 # points: 0
 # hint: by the norm of the whole array
+# also: what is missing is the division; not of length one
 import numpy as np
 
 

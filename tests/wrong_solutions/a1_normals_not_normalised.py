@@ -1,6 +1,7 @@
 # task: face_normals
 # points: 0
 # hint: what is missing is the division
+# also: not of length one
 import numpy as np
 
 

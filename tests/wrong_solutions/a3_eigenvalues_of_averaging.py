@@ -1,6 +1,6 @@
 # task: largest_stable_step
 # points: 0
-# hint: those of I - A decide
+# hint: 2 / the largest eigenvalue of A
 import numpy as np
 
 

@@ -318,6 +318,13 @@ def mean_of_edges(V, E):
     return np.linalg.norm(V[i] - V[j], axis=1).mean()
 
 
+def mean_of_means(V, F):
+    """The mean over the vertices of the mean length of their edges."""
+    E = mesh.Edges(F).ends
+    both = np.repeat(np.linalg.norm(V[E[:, 0]] - V[E[:, 1]], axis=1), 2)
+    return (np.bincount(E.ravel(), both) / np.bincount(E.ravel())).mean()
+
+
 def check_mean_edge_length(student, V, F):
     """Compare, with hints."""
     lengths = mesh.edge_lengths(V, F)
@@ -331,6 +338,11 @@ def check_mean_edge_length(student, V, F):
          lambda: np.linalg.norm(V[F[:, 0]] - V[F[:, 1]], axis=1).mean()),
         ("You take two of the three edges of each triangle: ca is missing.",
          lambda: mean_of_edges(V, np.concatenate([F[:, :2], F[:, 1:]]))),
+        ("This is the norm of the whole array of differences: take that of each row, axis=1, and "
+         "then the mean.", np.linalg.norm(lengths)),
+        ("You take a mean for each vertex, and then the mean of those: each edge counts once.",
+         lambda: mean_of_means(V, F)),
+        ("This is the median; the mean is wanted.", np.median(lengths)),
         ("This is the mean distance between all vertices; only edges count.",
          lambda: np.linalg.norm(V[:, None] - V, axis=2).sum() / (len(V) * (len(V) - 1))),
         ("This is the sum of the lengths, not their mean.", lengths.sum()),
@@ -392,6 +404,20 @@ def noise_cases(seed):
     ### END HIDDEN TESTS
 
 
+NOISE_ALONE = "This is the noise alone, without the mesh: return V + noise."
+
+
+def off_the_normals(moved, N):
+    """The part of vectors that is perpendicular to the normals."""
+    sideways = moved - (moved * N).sum(axis=1, keepdims=True) * N
+    return np.linalg.norm(sideways) / np.linalg.norm(moved)
+
+
+def noise_alone(X, V, N):
+    """Whether an answer is eps R N, without V."""
+    return off_the_normals(X, N) < 1e-6 and np.linalg.norm(X) < np.linalg.norm(V) / 4
+
+
 def independent(numbers):
     """Whether the three columns vary alike, and independently of each other."""
     there = numbers[np.isfinite(numbers).all(axis=1)]
@@ -411,17 +437,10 @@ def noise_is_along_the_normals(student, V, N, eps, seed):
         expected="noise",
         got="none",
     )
-
-    def off_the_normals(moved):
-        sideways = moved - (moved * N).sum(axis=1, keepdims=True) * N
-        return np.linalg.norm(sideways) / np.linalg.norm(moved)
-
-    off = off_the_normals(moved)
+    off = off_the_normals(moved, N)
     hint = "The vertices leave their normals: one number R_i scales the whole normal."
-    if off_the_normals(X) < 1e-6:
-        hint = "This is the noise alone, without the mesh: return V + noise."
-    elif off_the_normals(X + V) < 1e-6:
-        hint = "This is the noise minus the mesh: return V + noise."
+    if noise_alone(X, V, N):
+        hint = NOISE_ALONE
     elif independent(moved) or independent(moved / np.where(np.abs(N) > 0.1, N, np.nan)):
         hint = (
             "Each coordinate has noise of its own: you drew three numbers a vertex. One number R_i "
@@ -439,7 +458,8 @@ def noise_is_along_the_normals(student, V, N, eps, seed):
 @check.part("add_noise", 2, noise_cases)
 def noise_is_white(student, V, N, eps, seed):
     """Normally distributed, standard deviation eps, independent."""
-    moved = expect.array(student.add_noise(V, N, eps, Seeded(seed)), "V", V.shape) - V
+    X = expect.array(student.add_noise(V, N, eps, Seeded(seed)), "V", V.shape)
+    moved = X - V
     R = (moved * N).sum(axis=1) / eps
     mean, deviation = R.mean(), R.std()
     got = f"mean {mean:.3g} eps, standard deviation {deviation:.3g} eps"
@@ -456,13 +476,17 @@ def noise_is_white(student, V, N, eps, seed):
         hint = "These are uniform numbers from [0, 1): rng.random. Take rng.standard_normal."
     elif abs(mean) < 0.1 and abs(deviation - 3**-0.5) < 0.05:
         hint = "These are uniform numbers from [-1, 1): take rng.standard_normal."
+    elif (R >= 0).all() or (R <= 0).all():
+        hint = "All vertices move to the same side: the numbers have both signs, without np.abs."
     elif abs(deviation - eps) < 0.1 * eps:
         hint = "The noise is eps times too small: was it multiplied by eps twice?"
     elif abs(deviation * eps - 1) < 0.1:
         hint = "The noise does not depend on eps: multiply by it."
     elif abs(deviation * np.sqrt(eps) - 1) < 0.1:
         hint = "eps is the standard deviation, not the variance: no square root."
-    if np.linalg.norm(moved - eps * R[:, None] * N) > 0.1 * np.linalg.norm(moved):
+    if noise_alone(X, V, N):
+        hint = NOISE_ALONE
+    elif off_the_normals(moved, N) > 0.1:
         hint = "The vertices do not move along their normals, so that this cannot be right either."
     expect.that(abs(mean) < 0.1 and abs(deviation - 1) < 0.1, hint, expected=expected, got=got)
     kurtosis = ((R - mean) ** 4).mean() / deviation**4
@@ -610,6 +634,11 @@ def snr_is_right(student, V, V_noisy):
         ("You average the decibels of the vertices: add up above and below, then divide.",
          decibels(noise, clean).mean()),
         ("This is the ratio of the sums: its logarithm is missing.", N / S),
+        ("You add up the absolute values of the coordinates: take the norm of each row.",
+         decibels(np.abs(V - V_noisy).sum(), np.abs(V).sum())),
+        ("You take the sums of the rows without a norm: np.linalg.norm(..., axis=1).",
+         decibels(abs((V - V_noisy).sum()), abs(V.sum()))),
+        ("You took the binary logarithm: decibels take np.log10.", decibels(N, S, log=np.log2)),
         ("The signal is the clean mesh as it stands; you moved it to the origin first.",
          decibels(N, np.linalg.norm(V - V.mean(axis=0), axis=1).sum())),
     ]  # fmt: skip
@@ -679,9 +708,13 @@ def normal_angle_is_right(student, N, N_true):
         ),
         ("This is the mean of the cosines: np.arccos is missing.", np.cos(angles).mean()),
         ("This is the largest angle; the mean is wanted.", np.degrees(angles).max()),
+        ("This is the median; the mean is wanted.", np.median(np.degrees(angles))),
+        ("This is 1 - cosine, converted to degrees: np.arccos is missing.",
+         np.degrees(1 - np.cos(angles).mean())),
+        ("This is the sine: np.arccos of the cosine is the angle.", np.sin(angles).mean()),
         ("This is the root of the mean square of the angles; their mean is wanted.",
          np.degrees(np.sqrt((angles**2).mean()))),
-        ("This is the mean of degrees converted to radians twice or back: np.degrees, once.",
+        ("This is np.radians of an angle that is in radians already; np.degrees is wanted.",
          np.radians(angles).mean()),
     ]  # fmt: skip
     got = student.normal_angle(N, N_true)

@@ -71,6 +71,7 @@ from scipy.sparse import coo_array, csr_array, diags_array, triu
 
 from meshfair import mesh, operators, shapes, weights
 from meshfair_grading import expect
+from meshfair_grading.answers import Other
 from meshfair_grading.assignment import Assignment
 
 ### BEGIN HIDDEN TESTS
@@ -163,7 +164,17 @@ def edges(F):
 # %% checks
 def check_edges(student, F):
     """Compare the rows as a set, with hints."""
-    E = expect.array(student.edges(F), "the array of edges")
+    answer = student.edges(F)
+    kind = answer.type if isinstance(answer, Other) else ""
+    if isinstance(answer, list) and all(isinstance(edge, Other) for edge in answer):
+        kind = f"list of {answer[0].type}" if answer else "list"
+    if kind:
+        raise expect.WrongAnswerError(
+            "Return one array of integers, np.array(list of (i, j)): sets have no order.",
+            expected="an array of shape (k, 2)",
+            got=f"a {kind}",
+        )
+    E = expect.array(answer, "the array of edges")
     expected = mesh.Edges(F).ends
     count = f"{len(expected)} rows (i, j), i < j"
     if E.ndim != 2 or E.shape[1] != 2:
@@ -188,13 +199,22 @@ def check_edges(student, F):
         hint = "The edges are right, but not all rows have i < j."
     if complete and len(E) == len(distinct) and np.array_equal(low_first, E):
         return
-    got = f"{len(E)} rows, {len(distinct)} different edges"
-    if len(distinct) == len(expected) and not complete:
-        got += ", not all of them the right ones"
+    got = f"{len(E)} rows, {len(distinct)} different edges" + example(E, expected)
     explanations = None
     if not complete:
         explanations = [h for h, rows in edge_mistakes(F) if same_rows(low_first, rows)]
     raise expect.WrongAnswerError(hint, expected=count, got=got, explanations=explanations)
+
+
+def example(E, expected):
+    """A row that should not be there, or one that should."""
+    right = {tuple(row) for row in expected.tolist()}
+    rows = [tuple(int(x) if x == int(x) else x for x in row) for row in E.tolist()]
+    wrong = next((row for row in rows if row not in right), None)
+    missing = next((row for row in sorted(right) if row not in set(rows)), None)
+    if wrong:
+        return f", one of the rows {wrong}"
+    return f", without {missing}" if missing else ""
 
 
 def same_rows(rows, expected):
@@ -310,6 +330,8 @@ def check_combinatorial(student, V, F):
          lambda: weights.distance(V, F)),
         ("Every weight is divided by the number of neighbours: that is task 5.",
          lambda: operators.averaging(right)),
+        ("Each vertex is its own neighbour here: the diagonal of W is zero.",
+         right + diags_array(np.ones(n))),
         ("The degrees d_i do not belong into W.", right + diags_array(right.sum(axis=1))),
         ("This is the Laplacian D - W, not W.", operators.laplacian(right)),
     ]  # fmt: skip
@@ -592,6 +614,9 @@ def cotangent_mistakes(V, F):
            lambda axis=axis, of=of: corner_sums(
                V, F, lambda u, v: dot(u, v) / of(np.cross(u, v)[:, axis])))
           for axis in (2, 1, 0) for of in (np.asarray, np.abs)),
+        ("You take the arccos of the scalar product: divide it by |u| |v| first. Better, compute "
+         "no angle: cot = <u, v> / |u x v|.",
+         lambda: corner_sums(V, F, lambda u, v: cot(np.arccos(dot(u, v))))),
         ("You divide by |u x v| squared: the root is missing.",
          lambda: corner_sums(V, F, lambda u, v: dot(u, v) / length(np.cross(u, v)) ** 2)),
         ("You add the angles first: add the cotangents, cot alpha + cot beta.",
@@ -800,8 +825,8 @@ def averaging_mistakes(W):
         )
         yield (
             (
-                "You divide by the sum of the absolute values: where a weight is negative that is not "
-                "d_i. The signs count."
+                "You divide by the sum of the absolute values: where a weight is negative that is "
+                "not d_i. The signs count."
             ),
             dense / np.abs(dense).sum(axis=1, keepdims=True),
         )
@@ -821,6 +846,7 @@ def averaging_mistakes(W):
         yield "You divide all rows by one number; each has a sum of its own.", dense / d.sum()
         yield "You divide all rows by one number; each has a sum of its own.", dense / d.max()
         yield "You divide all rows by one number; each has a sum of its own.", dense / d.mean()
+        yield "You divide by the mean of each row; divide by its sum.", n * A
         yield "You multiply by d_i: divide by it.", dense * d[:, None]
         yield (
             "This is I - W~, the Laplacian divided by D: here W~ itself is wanted.",

@@ -269,6 +269,8 @@ def heat_mistakes(V, W, tau, steps):
          lambda: euler(V, lambda X: X + tau * (X - A @ X), steps)),
         ("tau and 1 - tau are exchanged: a small tau must be a small step.",
          lambda: euler(V, lambda X: tau * X + (1 - tau) * (A @ X), steps)),
+        ("The step is V - tau A V: what is subtracted is tau (V - A V).",
+         lambda: euler(V, lambda X: X - tau * (A @ X), steps)),
         ("The part 1 - tau is missing: without it V + tau A V grows.",
          lambda: euler(V, lambda X: X + tau * (A @ X), steps)),
         ("tau is not used: this is averaging, tau = 1.", lambda: flow.average(V, A, steps)),
@@ -402,10 +404,15 @@ def check_stable_step(student, W):
         ("This is mu_max itself; the bound is 2 / mu_max.", largest),
         ("This is 1 / mu_max: up to 2 / mu_max nothing grows, though it may overshoot.",
          1 / largest),
-        ("You used the eigenvalues of A; those of I - A decide.", 2 / radius),
+        ("This is 2 / the largest eigenvalue of A, in size, which is 1 where no weight is "
+         "negative; the largest one of I - A decides.", 2 / radius),
         ("You used the largest eigenvalue of A; the largest one of I - A decides.",
          2 / (1 - mu).max()),
         ("You used the smallest eigenvalue; the largest one decides.", 2 / positive),
+        ("This is close to 2 / 0: the smallest eigenvalue of I - A is 0; the largest one decides.",
+         expect.Recognised(lambda step: step > 1e6)),
+        ("This is 2 divided by the mean of the eigenvalues; the largest one decides.",
+         2 / mu.mean()),
         ("This bound holds for all meshes; on this one a larger step is stable.", 2 / 3),
         ("This bound is Gershgorin's, from the sums of the rows, and holds for many meshes; the "
          "eigenvalue itself allows a larger step.", 2 / rows),
@@ -549,7 +556,9 @@ def two_numbers(answer, highest):
         expected=f"{highest:.4g} dB",
         got="inf",
     )
-    time, snr = (expect.number(value, name) for value, name in zip(answer, ("time", "snr")))
+    time, snr = (
+        expect.number(value, name) for value, name in zip(answer, ("time", "snr"), strict=True)
+    )
     expect.that(
         not expect.alike(time, highest) or expect.alike(snr, highest),
         "These are the SNR and the time, in this order: return time, snr",
@@ -576,10 +585,13 @@ def best_time(student, V_noisy, V_true, A):
     against_noisy = [metrics.snr(V_noisy, V) for _, V in flow.heat(V_noisy, A, TAU, TAU * STEPS)]
     worst = curve[:, 1].min()
     lowest = expect.alike(abs(snr), abs(worst))
+    found = expect.alike(abs(snr), curve[best, 1])  # the right moment, under another name
     mistakes = [
-        ("This is the number of steps; the time is tau times that.", best),
-        ("One step off: the state before the first step has time 0.", TAU * (best + 1)),
-        ("One step off: the state before the first step has time 0.", TAU * (best - 1)),
+        *([] if not found else [
+            ("This is the number of steps; the time is tau times that.", best),
+            ("One step off: the state before the first step has time 0.", TAU * (best + 1)),
+            ("One step off: the state before the first step has time 0.", TAU * (best - 1)),
+        ]),
         *([(LOWEST, TAU * curve[:, 1].argmin())] if lowest else []),
         *(("Compare with the clean mesh, not with the noisy one.", TAU * moment)
           for moment in {np.argmax(against_noisy[1:]), np.argmax(against_noisy[1:]) + 1, 0}
@@ -651,7 +663,7 @@ def best_time_is_zero(student, V_noisy, V_true, A):
     """Time 0 where the flow never helps."""
     # The sphere is a little too large: some shrinking helps, a whole step is far too much.
     answer = student.best_stopping(V_noisy, V_true, A, TAU, STEPS)
-    time, snr = two_numbers(answer, metrics.snr(V_true, V_noisy))
+    time, _ = two_numbers(answer, metrics.snr(V_true, V_noisy))
     curve = flow.snr_curve(V_noisy, V_true, A, TAU, TAU * STEPS)
     hint = "Here every step makes it worse, so that it is best to stop at time 0."
     if expect.alike(time, TAU):

@@ -198,6 +198,7 @@ def gain_is_right(student, V, V_noisy, V_true, part):
         ("This is the gain on all vertices but those of the part.",
          decibels(V, V_noisy, V_true, ~part)),
         ("You took the natural logarithm: decibels take np.log10.", right * np.log(10)),
+        ("You took the binary logarithm: decibels take np.log10.", right * np.log2(10)),
         ("The factor is 20, not 10.", right / 2),
         ("This is the ratio itself: its logarithm is missing.", 10 ** (right / 20)),
         ("You measured how far the filter has moved the vertices, not how far they are from "

@@ -5,6 +5,7 @@ from scipy.sparse import coo_array, csr_array, diags_array, triu
 
 from meshfair import mesh, operators, shapes, weights
 from meshfair_grading import expect
+from meshfair_grading.answers import Other
 from meshfair_grading.assignment import Assignment
 
 check = Assignment("a2", "Three weights", seed=2022)
@@ -34,14 +35,15 @@ def triangle(x):
 def check_symmetric(W, F):
     """Fail unless W is symmetric, zero on the diagonal and nonzero at most on the edges."""
     difference = abs(W - W.T).max()
-    if difference > 1e-9 * abs(W).max():
+    rounded = max(1e-9, 100 * expect.rounding(W)) * abs(W).max()
+    if difference > rounded:
         hint = "W is not symmetric: set w_ij and w_ji for every edge."
         if not abs(triu(W, 1)).nnz or not abs(triu(W.T, 1)).nnz:
             hint = "Only one half of W is filled: set w_ij and w_ji for every edge."
         raise expect.WrongAnswerError(hint, expected="W = W.T", got=f"{difference:.3g} off")
     diagonal = abs(W.diagonal()).max()
     expect.that(
-        diagonal == 0,
+        diagonal <= rounded,
         "No vertex is its own neighbour: the diagonal of W is zero. The sums d_i belong to "
         "D, not to W.",
         expected="zeros on the diagonal",
@@ -50,7 +52,7 @@ def check_symmetric(W, F):
     allowed = weights.combinatorial(F, W.shape[0])
     outside = abs(W - W * allowed).max()
     expect.that(
-        outside < 1e-12,
+        outside <= rounded,
         "W has entries where there is no edge.",
         expected="entries on the edges only",
         got=f"another one of size {outside:.3g}",
@@ -59,19 +61,29 @@ def check_symmetric(W, F):
 
 def check_edges(student, F):
     """Compare the rows as a set, with hints."""
-    got = student.edges(F)
+    answer = student.edges(F)
+    kind = answer.type if isinstance(answer, Other) else ""
+    if isinstance(answer, list) and all(isinstance(edge, Other) for edge in answer):
+        kind = f"list of {answer[0].type}" if answer else "list"
+    if kind:
+        raise expect.WrongAnswerError(
+            "Return one array of integers, np.array(list of (i, j)): sets have no order.",
+            expected="an array of shape (k, 2)",
+            got=f"a {kind}",
+        )
+    E = expect.array(answer, "the array of edges")
     expected = mesh.Edges(F).ends
     count = f"{len(expected)} rows (i, j), i < j"
-    E = expect.array(got, "the array of edges")
-    expect.that(
-        E.ndim == 2 and E.shape[1] == 2,
-        "An edge is a row of two vertices.",
-        expected=count,
-        got=f"shape {E.shape}",
-    )
+    if E.ndim != 2 or E.shape[1] != 2:
+        hint = "An edge is a row of two vertices."
+        if E.ndim == 2 and same_rows(E.T, expected):
+            hint = "These are the right edges, as columns: return the transpose, one edge a row."
+        elif E.ndim == 1 and np.array_equal(E, np.unique(F)):
+            hint = "np.unique without axis=0 gives the different numbers, not the different rows."
+        raise expect.WrongAnswerError(hint, expected=count, got=f"shape {E.shape}")
     low_first = np.sort(E, axis=1)
     distinct = np.unique(low_first, axis=0)
-    complete = distinct.shape == expected.shape and np.array_equal(distinct, expected)
+    complete = same_rows(distinct, expected)
     hint = "Some edges are missing or do not exist: a triangle has the edges ab, bc and ca."
     if complete and len(E) > len(distinct):
         hint = (
@@ -82,8 +94,57 @@ def check_edges(student, F):
             hint = "Edges occur twice, once for each of their triangles: np.unique(..., axis=0)."
     elif complete and not np.array_equal(low_first, E):
         hint = "The edges are right, but not all rows have i < j."
-    right = complete and len(E) == len(distinct) and np.array_equal(low_first, E)
-    expect.that(right, hint, expected=count, got=f"{len(E)} rows, {len(distinct)} different edges")
+    if complete and len(E) == len(distinct) and np.array_equal(low_first, E):
+        return
+    got = f"{len(E)} rows, {len(distinct)} different edges" + example(E, expected)
+    explanations = None
+    if not complete:
+        explanations = [h for h, rows in edge_mistakes(F) if same_rows(low_first, rows)]
+    raise expect.WrongAnswerError(hint, expected=count, got=got, explanations=explanations)
+
+
+def example(E, expected):
+    """A row that should not be there, or one that should."""
+    right = {tuple(row) for row in expected.tolist()}
+    rows = [tuple(int(x) if x == int(x) else x for x in row) for row in E.tolist()]
+    wrong = next((row for row in rows if row not in right), None)
+    missing = next((row for row in sorted(right) if row not in set(rows)), None)
+    if wrong:
+        return f", one of the rows {wrong}"
+    return f", without {missing}" if missing else ""
+
+
+def same_rows(rows, expected):
+    """Whether two arrays hold the same rows, in any order and direction."""
+    rows, expected = (np.unique(np.sort(x, axis=1), axis=0) for x in (rows, expected))
+    return np.array_equal(rows, expected)
+
+
+def edge_mistakes(F):
+    """Hints, and the rows that the mistakes give."""
+    E = mesh.Edges(F).ends
+    stacked = np.concatenate([F[:, [0, 1]], F[:, [1, 2]], F[:, [2, 0]]])
+    names = ("ab", "bc", "ca")
+    thirds = np.split(stacked, 3)
+    for left, name in enumerate(names):
+        others = [third for k, third in enumerate(thirds) if k != left]
+        yield f"The edges {name} of the triangles are missing.", np.concatenate(others)
+        yield (
+            f"Only the edges {name} of the triangles are there: a triangle has three.",
+            (thirds[left]),
+        )
+    yield "The vertices are counted from 1: indices into V begin with 0.", E + 1
+    yield (
+        "Sort within each row, axis=1; axis=0 sorts the columns, and tears the edges apart.",
+        (np.sort(stacked, axis=0)),
+    )
+    yield (
+        "These are all pairs of vertices; edges are the sides of triangles.",
+        (np.column_stack(np.triu_indices(F.max() + 1, 1))),
+    )
+    _, count = np.unique(np.sort(stacked, axis=1), axis=0, return_counts=True)
+    yield "The boundary edges are missing: they belong to one triangle only.", E[count > 1]
+    yield "Only the boundary edges are there.", E[count == 1]
 
 
 @check.part("edges", 2, closed_meshes)
@@ -104,10 +165,23 @@ def half_edge_sums(V, F):
     return coo_array((np.ones(len(H)), (H[:, 0], H[:, 1])), shape=(len(V), len(V)))
 
 
+def sized(W, n, F):
+    """The matrix W, whose size is not in the triangles."""
+    used = int(F.max()) + 1
+    if used < n and getattr(W, "shape", None) == (used, used):
+        raise expect.WrongAnswerError(
+            "A vertex may be in no triangle: the size of W is n, which is an argument, not the "
+            "largest index plus one.",
+            expected=f"shape ({n}, {n})",
+            got=f"shape ({used}, {used})",
+        )
+    return expect.matrix(W, "W", n)
+
+
 def check_combinatorial(student, V, F):
     """Compare, with hints."""
     n = len(V)
-    W = expect.matrix(student.combinatorial_weights(F, n), "W", n)
+    W = sized(student.combinatorial_weights(F, n), n, F)
     right = weights.combinatorial(F, n)
     H = half_edge_sums(V, F)
     doubled = "did you add both halves of an edge, or each edge once for each of its triangles?"
@@ -119,9 +193,16 @@ def check_combinatorial(student, V, F):
         (f"Inner edges have weight 2 and boundary edges 1: {doubled}", H + H.T),
         ("The half-edges of the triangles are not symmetric at the boundary: use `edges`.", H),
         ("Only one half of W is filled: set w_ij and w_ji.", triu(right)),
+        ("Only one half of W is filled: set w_ij and w_ji.", triu(right).T),
+        ("These are the edges' lengths; every edge has weight 1 here.",
+         lambda: weights.distance(V, F)),
+        ("Every weight is divided by the number of neighbours: that is task 5.",
+         lambda: operators.averaging(right)),
+        ("Each vertex is its own neighbour here: the diagonal of W is zero.",
+         right + diags_array(np.ones(n))),
         ("The degrees d_i do not belong into W.", right + diags_array(right.sum(axis=1))),
         ("This is the Laplacian D - W, not W.", operators.laplacian(right)),
-    ]
+    ]  # fmt: skip
     expect.close(W, right, "W", mistakes=mistakes)
 
 
@@ -148,6 +229,17 @@ def on_entries(function, W):
     return csr_array((function(W.data), W.indices, W.indptr), shape=W.shape)
 
 
+def on_edges(function, V, W):
+    """The sparse matrix with a function of the positions of both ends."""
+    edges = W.tocoo()
+    values = function(V[edges.row], V[edges.col])
+    return coo_array((values, (edges.row, edges.col)), shape=W.shape)
+
+
+def length(u):
+    return np.linalg.norm(u, axis=1)
+
+
 @check.part("distance_weights", 1, closed_meshes)
 def distance_is_symmetric(student, V, F):
     """Sparse, symmetric, zero on the diagonal, nothing outside the edges."""
@@ -165,52 +257,134 @@ def distance_is_right(student, V, F):
             "These are the reciprocals: here a far neighbour pulls more.",
             on_entries(np.reciprocal, W),
         ),
+        ("These are the reciprocals of the squares: here a far neighbour pulls more, d itself.",
+         on_entries(lambda d: d**-2, W)),
+        *(("This is an exponential that falls with the distance: here a far neighbour pulls more, "
+           "d itself.", on_entries(function, W)) for function in (
+            lambda d: np.exp(-d), lambda d: np.exp(-(d**2)), lambda d: np.exp(-(d**2) / 2))),
+        *((f"{hint}: the distance is the root of the sum of the squares.",
+           lambda norm=norm: on_edges(lambda u, v: np.linalg.norm(u - v, norm, axis=1), V, W))
+          for hint, norm in (("You add up |dx| + |dy| + |dz|", 1),
+                             ("You take the largest of |dx|, |dy|, |dz|", np.inf))),
+        ("You use x and y only: the distance is one in space.",
+         lambda: on_edges(lambda u, v: np.linalg.norm((u - v)[:, :2], axis=1), V, W)),
+        ("You subtract norms: take the norm of the difference, |v_i - v_j|.",
+         lambda: on_edges(lambda u, v: np.abs(length(u) - length(v)), V, W)),
+        ("This is the scalar product of the positions, not their distance.",
+         lambda: on_edges(lambda u, v: (u * v).sum(axis=1), V, W)),
         ("These are the combinatorial weights.", on_entries(np.ones_like, W)),
         ("Only one half of W is filled: set w_ij and w_ji.", triu(W)),
-    ]
-    got = expect.matrix(student.distance_weights(V, F), "W", len(V))
+    ]  # fmt: skip
+    got = expect.matrix(student.distance_weights(V, F), "W", len(V), finite=False)
     expect.close(got, W, "W", mistakes=mistakes)
 
 
-def corner_sums(V, F, function, shift=0):
-    """Symmetric sums over the triangles of a function of an angle.
+def corner_sums(V, F, function, shift=0, corners=(0, 1, 2)):
+    """Symmetric sums over the triangles of a function of the two sides that leave a corner.
 
-    With shift 0 the angle opposite to the edge, with 1 or 2 one beside it.
+    With shift 0 the corner opposite to the edge, with 1 or 2 one beside it.
     """
     W = csr_array((len(V), len(V)))
-    for corner in range(3):
+    for corner in corners:
         i, j = F[:, (corner + 1) % 3], F[:, (corner + 2) % 3]
         at, to, fro = (V[F[:, (corner + shift + step) % 3]] for step in range(3))
-        u, v = to - at, fro - at
-        sine = np.linalg.norm(np.cross(u, v), axis=1)
-        w = function(np.arctan2(sine, (u * v).sum(axis=1)))
+        w = function(to - at, fro - at)
         W = W + coo_array((w, (i, j)), shape=W.shape) + coo_array((w, (j, i)), shape=W.shape)
     return W
+
+
+def of_angle(function):
+    """A function of an angle as one of the two sides that form it."""
+    return lambda u, v: function(np.arctan2(length(np.cross(u, v)), dot(u, v)))
+
+
+def dot(u, v):
+    return (u * v).sum(axis=1)
+
+
+def cot(angle):
+    return 1 / np.tan(angle)
+
+
+def assigned(V, F):
+    """Recognises weights that hold one of the two cotangents of each edge, not their sum.
+
+    Which one depends on the order of a loop, and is any.
+    """
+    first, second = {}, {}
+    for corner in range(3):
+        i, j, k = (F[:, (corner + step) % 3] for step in (1, 2, 0))
+        cotangents = of_angle(cot)(V[i] - V[k], V[j] - V[k])
+        for a, b, value in zip(i, j, cotangents, strict=True):
+            edge = min(a, b), max(a, b)
+            (second if edge in first else first)[edge] = value
+    inner = sorted(second)
+    one, other = (np.array([of[edge] for edge in inner]) for of in (first, second))
+
+    def is_one_of_them(W):
+        got = np.array([W[edge] for edge in inner])
+        sum_of_both = (one + other) / 2
+        return (
+            bool(inner)
+            and any(
+                (np.isclose(got, f * one, 1e-5) | np.isclose(got, f * other, 1e-5)).all()
+                for f in (0.5, 1.0)
+            )
+            and not expect.alike(got, sum_of_both)
+        )
+
+    return expect.Recognised(is_one_of_them)
 
 
 def cotangent_mistakes(V, F):
     """Typical wrong values, up to a factor; each with its hint."""
     W = weights.cotangent(V, F)
-
-    def cot(angle):
-        return 1 / np.tan(angle)
-
+    minus = "The whole sign is wrong: L = D - W has the negative weights, W the positive ones."
     return [
         (
             "These are cotangents of degrees: np.tan takes radians. Better, compute no angle: "
             "cot = <u, v> / |u x v|.",
-            lambda: corner_sums(V, F, lambda angle: cot(np.degrees(angle))),
+            lambda: corner_sums(V, F, of_angle(lambda angle: cot(np.degrees(angle)))),
         ),
         ("These are tangents: cot = cos / sin = <u, v> / |u x v|.",
-         lambda: corner_sums(V, F, np.tan)),
+         lambda: corner_sums(V, F, of_angle(np.tan))),
         ("These are cosines: divide by |u x v|, not by |u| |v|.",
-         lambda: corner_sums(V, F, np.cos)),
+         lambda: corner_sums(V, F, of_angle(np.cos))),
+        ("These are sines: cot = cos / sin = <u, v> / |u x v|.",
+         lambda: corner_sums(V, F, of_angle(np.sin))),
+        ("These are scalar products <u, v>: divide each by |u x v|.",
+         lambda: corner_sums(V, F, dot)),
         ("These are the angles themselves; their cotangents are wanted.",
-         lambda: corner_sums(V, F, np.asarray)),
+         lambda: corner_sums(V, F, of_angle(np.asarray))),
+        ("You take the cotangent of the cosine: <u, v> / (|u| |v|) is the cosine already. "
+         "cot = <u, v> / |u x v|.",
+         lambda: corner_sums(V, F, of_angle(lambda angle: cot(np.cos(angle))))),
+        *(("You divide by one component of u x v; divide by its length, "
+           "np.linalg.norm(..., axis=1).",
+           lambda axis=axis, of=of: corner_sums(
+               V, F, lambda u, v: dot(u, v) / of(np.cross(u, v)[:, axis])))
+          for axis in (2, 1, 0) for of in (np.asarray, np.abs)),
+        ("You take the arccos of the scalar product: divide it by |u| |v| first. Better, compute "
+         "no angle: cot = <u, v> / |u x v|.",
+         lambda: corner_sums(V, F, lambda u, v: cot(np.arccos(dot(u, v))))),
+        ("You divide by |u x v| squared: the root is missing.",
+         lambda: corner_sums(V, F, lambda u, v: dot(u, v) / length(np.cross(u, v)) ** 2)),
+        ("You add the angles first: add the cotangents, cot alpha + cot beta.",
+         lambda: on_entries(cot, corner_sums(V, F, of_angle(np.asarray)))),
+        ("You take the cotangent of the mean angle; take the mean of the cotangents.",
+         lambda: on_entries(lambda angle: cot(angle / 2),
+                            corner_sums(V, F, of_angle(np.asarray)))),
+        ("Each edge has one of its two cotangents, the last: W[i, j] = ... forgets the first. Add "
+         "them up, with += or coo_array.", assigned(V, F)),
+        *((f"Only {3 - len(left_out)} of the three corners of each triangle {verb} counted.",
+           lambda left_out=left_out: corner_sums(
+               V, F, of_angle(cot), corners=sorted({0, 1, 2} - set(left_out))))
+          for left_out, verb in (((0,), "are"), ((1,), "are"), ((2,), "are"),
+                                 ((0, 1), "is"), ((0, 2), "is"), ((1, 2), "is"))),
         *(
             ("You take an angle beside the edge; the one opposite to it counts: the cotangent at "
              "corner k belongs to the edge between the other two.",
-             lambda shift=shift: corner_sums(V, F, cot, shift))
+             lambda shift=shift: corner_sums(V, F, of_angle(cot), shift))
             for shift in (1, 2)
         ),
         ("You cut negative weights off: they are right where alpha + beta > 180 degrees.",
@@ -218,8 +392,8 @@ def cotangent_mistakes(V, F):
         ("You took absolute values: weights are negative where alpha + beta > 180 degrees.",
          on_entries(np.abs, W)),
         ("You took absolute values: cotangents of obtuse angles are negative.",
-         lambda: corner_sums(V, F, lambda angle: np.abs(cot(angle)))),
-        ("The whole sign is wrong: L = D - W has the negative weights, W the positive ones.", -W),
+         lambda: corner_sums(V, F, of_angle(lambda angle: np.abs(cot(angle))))),
+        (minus, -W),
         ("This is the Laplacian D - W (or libigl's, with the other sign), not W.",
          operators.laplacian(W)),
         ("This is the Laplacian D - W (or libigl's, with the other sign), not W.",
@@ -230,9 +404,9 @@ def cotangent_mistakes(V, F):
 
 def acute_meshes(seed):
     """All weights positive: here only the formula counts, not the sign."""
-    yield "a tetrahedron", *tetrahedron()
     V, F = shapes.icosphere(1)
     yield "a stretched sphere", V * [1.0, 1.2, 1.3], F
+    yield "a tetrahedron", *tetrahedron()
 
 
 @check.part("cotangent_weights", 1, acute_meshes)
@@ -245,7 +419,7 @@ def cotangent_is_symmetric(student, V, F):
 def cotangent_up_to_a_factor(student, V, F):
     """The cotangents of the right angles, up to one common factor."""
     W = weights.cotangent(V, F)
-    got = expect.matrix(student.cotangent_weights(V, F), "W", len(V))
+    got = expect.matrix(student.cotangent_weights(V, F), "W", len(V), finite=False)
     expect.proportional(got, W, "W", mistakes=cotangent_mistakes(V, F))
 
 
@@ -259,10 +433,16 @@ def cotangent_has_its_half(student, V, F):
             "missing, or both halves of an edge were added.",
             2 * W,
         ),
-        ("All weights are half the right ones: was the half taken twice?", W / 2),
-    ]
-    got = expect.matrix(student.cotangent_weights(V, F), "W", len(V))
-    expect.close(got, W, "W", mistakes=[*mistakes, *cotangent_mistakes(V, F)])
+        ("All weights are half the right ones: w_ij = (cot alpha + cot beta) / 2, with one half.",
+         W / 2),
+    ]  # fmt: skip
+    got = expect.matrix(student.cotangent_weights(V, F), "W", len(V), finite=False)
+    try:
+        expect.proportional(got, W, "W", mistakes=mistakes)
+    except expect.WrongAnswerError as wrong:
+        hint = "The cotangents themselves are not right yet; see the line above."
+        raise expect.WrongAnswerError(hint, expected=wrong.expected, got=wrong.got) from None
+    expect.close(got, W, "W", mistakes=mistakes)
 
 
 def obtuse_meshes(seed):
@@ -275,7 +455,7 @@ def obtuse_meshes(seed):
 def cotangent_of_obtuse_angles(student, V, F):
     """Obtuse angles keep their sign; boundary edges have one angle."""
     W = weights.cotangent(V, F)
-    got = expect.matrix(student.cotangent_weights(V, F), "W", len(V))
+    got = expect.matrix(student.cotangent_weights(V, F), "W", len(V), finite=False)
     expect.proportional(got, W, "W", mistakes=cotangent_mistakes(V, F))
 
 
@@ -292,44 +472,110 @@ def averaging_has_rows_of_sum_one(student, W):
     A = expect.matrix(student.averaging(W), "the operator", n)
     sums = A.sum(axis=1)
     worst = np.argmax(np.abs(sums - 1))
+    off = abs(sums[worst] - 1)
+    if off < 1e-9:
+        return
+    explanations = [hint for hint, B in averaging_mistakes(W) if expect.alike(A.toarray(), B)]
+    if hint := added_to_sums(sums, W):
+        explanations = [hint]
+    elif off < 100 * np.finfo(np.float32).eps:
+        return  # the rounding of single precision
     hint = "The rows do not sum to one: divide each row by its own sum."
     if expect.alike(sums, np.full(n, sums[0])):
         hint = f"Your rows sum to {sums[0]:.4g}: divide by the full sum d_i of the row."
-        if abs(sums[0] - 2) < 1e-9:
-            hint = "Your rows sum to 2: did you add both halves of an edge?"
-    elif expect.alike(A.sum(axis=0), np.ones(n)):
-        hint = (
-            "Your columns sum to one, the rows should: W / d divides the columns, "
-            "diags_array(1 / d) @ W the rows."
-        )
-    elif expect.alike(A.toarray(), W.toarray()):
-        hint = "This is W itself: the division by the row sums is missing."
-    expect.that(
-        abs(sums[worst] - 1) < 1e-9,
+    one, got = expect.differing(1.0, sums[worst])
+    raise expect.WrongAnswerError(
         hint,
-        expected="1 for every row",
-        got=f"row {worst} sums to {sums[worst]:.4g}",
+        expected=f"{one} for every row",
+        got=f"row {worst} sums to {got}",
+        explanations=explanations,
     )
+
+
+def added_to_sums(sums, W):
+    """The hint where something was added to each d_i."""
+    added = (1 / sums - 1) * W.sum(axis=1)
+    small = abs(added.mean()) < 0.1 * abs(W.sum(axis=1)).min()
+    if small and np.ptp(added) < 0.01 * abs(added.mean()):
+        return f"You divide by d_i + {added.mean():.1g}: divide by d_i itself."
+    return ""
+
+
+def averaging_mistakes(W):
+    """Hints, and what the mistakes give: rows that do not sum to one."""
+    d, n = W.sum(axis=1), W.shape[0]
+    neighbours = np.diff(csr_array(W).indptr)
+    A = operators.averaging(W).toarray()
+    dense = W.toarray()
+    with np.errstate(all="ignore"):
+        yield "Your rows sum to 2: did you add both halves of an edge?", 2 * A
+        yield (
+            (
+                "Your columns sum to one, the rows should: W / d divides the columns, "
+                "diags_array(1 / d) @ W the rows."
+            ),
+            dense / d,
+        )
+        yield "This is W itself: the division by the row sums is missing.", dense
+        yield (
+            ("You divide by the number of neighbours; divide by the sum of the weights, d_i."),
+            dense / neighbours[:, None],
+        )
+        yield (
+            (
+                "You divide by the sum of the absolute values: where a weight is negative that is "
+                "not d_i. The signs count."
+            ),
+            dense / np.abs(dense).sum(axis=1, keepdims=True),
+        )
+        yield "You divide by the root of d_i.", dense / np.sqrt(d)[:, None]
+        yield (
+            ("This is the symmetric normalisation D^(-1/2) W D^(-1/2); here it is D^-1 W."),
+            dense / np.sqrt(np.outer(d, d)),
+        )
+        yield (
+            "You divide by the largest weight of each row; divide by the sum.",
+            (dense / dense.max(axis=1, keepdims=True)),
+        )
+        yield (
+            "You divide by the length of each row, its root of squares; divide by the sum.",
+            (dense / np.linalg.norm(dense, axis=1, keepdims=True)),
+        )
+        yield "You divide all rows by one number; each has a sum of its own.", dense / d.sum()
+        yield "You divide all rows by one number; each has a sum of its own.", dense / d.max()
+        yield "You divide all rows by one number; each has a sum of its own.", dense / d.mean()
+        yield "You divide by the mean of each row; divide by its sum.", n * A
+        yield "You multiply by d_i: divide by it.", dense * d[:, None]
+        yield (
+            "This is I - W~, the Laplacian divided by D: here W~ itself is wanted.",
+            (np.eye(n) - A),
+        )
+        yield (
+            "You added the vertex itself after dividing: W~ has zeros on the diagonal.",
+            (np.eye(n) + A),
+        )
 
 
 @check.part("averaging", 2, weight_matrices)
 def averaging_is_right(student, W):
     """The values."""
-    d = W.sum(axis=1)
-    root = diags_array(np.sqrt(np.maximum(d, 0)) / np.maximum(np.abs(d), 1e-300))
+    n = W.shape[0]
+    got = expect.matrix(student.averaging(W), "the operator", n)
+    with_itself = W + diags_array(np.ones(n))
     mistakes = [
-        (
-            "You divided the columns: diags_array(1 / d) @ W scales the rows.",
-            W @ diags_array(1 / d),
-        ),
-        (
-            "This is the symmetric normalisation D^(-1/2) W D^(-1/2); here it is D^-1 W.",
-            root @ W @ root,
-        ),
+        *averaging_mistakes(W),
+        ("You added the vertex to its own neighbours (W + I): only the neighbours count.",
+         diags_array(1 / with_itself.sum(axis=1)) @ with_itself),
+        ("This is (I + W~) / 2, half a step: here W~ itself is wanted.",
+         lambda: (diags_array(np.ones(n)) + operators.averaging(W)) / 2),
         (
             "These are equal weights for all neighbours: divide w_ij by d_i, not 1 by the degree.",
             lambda: operators.averaging(on_entries(np.ones_like, W)),
         ),
-    ]
-    got = expect.matrix(student.averaging(W), "the operator", W.shape[0])
+        ("This is W~ transposed.", lambda: operators.averaging(W).T),
+        ("You take the absolute values of the weights: the signs count.",
+         lambda: operators.averaging(abs(W))),
+    ]  # fmt: skip
+    if hint := added_to_sums(got.sum(axis=1), W):
+        mistakes = [(hint, expect.Recognised(lambda values: True))]
     expect.close(got, operators.averaging(W), "the operator", mistakes=mistakes)

@@ -64,6 +64,8 @@ def gain_is_right(student, V, V_noisy, V_true, part):
     """The values, on a part of the mesh."""
     everywhere = np.ones(len(V), dtype=bool)
     right = decibels(V, V_noisy, V_true, part)
+    before, after = (np.linalg.norm(X - V_true, axis=1)[part] for X in (V_noisy, V))
+    squared = 20 * np.log10((before**2).sum() / (after**2).sum())
     mistakes = [
         ("The sign is wrong: less error than before is a positive gain.", -right),
         ("This is the gain on the whole mesh: the part is not used.",
@@ -71,30 +73,59 @@ def gain_is_right(student, V, V_noisy, V_true, part):
         ("This is the gain on all vertices but those of the part.",
          decibels(V, V_noisy, V_true, ~part)),
         ("You took the natural logarithm: decibels take np.log10.", right * np.log(10)),
+        ("You took the binary logarithm: decibels take np.log10.", right * np.log2(10)),
         ("The factor is 20, not 10.", right / 2),
         ("This is the ratio itself: its logarithm is missing.", 10 ** (right / 20)),
         ("You measured how far the filter has moved the vertices, not how far they are from "
          "the clean mesh.", decibels(V, V_true, V_noisy, part)),
+        ("You squared the norms: this definition adds up the norms themselves.", squared / 2),
+        ("You squared the norms: this definition adds up the norms themselves.", squared),
+        ("This is the ratio for whole arrays: take the norm of each row, axis=1, and add.",
+         squared / 2),
+        ("You average the decibels of the vertices: add up above and below, then divide.",
+         20 * np.log10(before / after).mean()),
+        ("You average the ratios of the vertices: add up above and below, then divide.",
+         20 * np.log10((before / after).mean())),
+        ("This is the SNR of the denoised mesh, not what it has gained.",
+         20 * np.log10(np.linalg.norm(V_true, axis=1)[part].sum() / after.sum())),
     ]  # fmt: skip
     expect.close(student.gain(V, V_noisy, V_true, part), right, "the gain", mistakes=mistakes)
 
 
 def gains(student, V_noisy, V, F, missiles):
     """Gains on the airframe and on the missiles."""
-    X = expect.array(student.once("denoise", V_noisy, F), "V", V.shape)
+    X = denoised(student, V_noisy, F)
     return decibels(X, V_noisy, V, ~missiles), decibels(X, V_noisy, V, missiles)
+
+
+def denoised(student, V_noisy, F):
+    """The student's positions, once for all checks."""
+    X = expect.array(student.once("denoise", V_noisy, F), "V", V_noisy.shape)
+    size, largest = np.abs(V_noisy).max(), np.abs(X).max()
+    expect.that(
+        largest < 1e6 * size,
+        "The vertices have flown away: is the step too large, so that the flow explodes?",
+        expected=f"positions of the size of the mesh, {size:.3g}",
+        got=f"up to {largest:.3g}",
+    )
+    return X
 
 
 def graded(value, full, name, metric=None):
     """Points in proportion to a gain."""
     hint = "" if value >= full else f"For all points of this part: {full:g} dB."
-    if value < 0:
+    if value < -0.005:
         hint = f"Negative: {name} came out worse than they went in. Smooth less, or elsewhere."
+    elif value < 0.005:
+        hint = f"Nothing is gained: {name} are neither better nor worse than before."
+    # Two decimals, or as many as tell it from the full gain.
+    shown = (f"{value:.{digits}f}" for digits in range(2, 9))
+    got = next(text for text in shown if value >= full or float(text) < full)
     return Graded(
         share=float(np.clip(value / full, 0, 1)),
         hint=hint,
         expected=f"{full:g} dB",
-        got=f"{value:.2f} dB",
+        got="0.00 dB" if float(got) == 0 else f"{got} dB",
         metric=metric,
     )
 
@@ -102,7 +133,7 @@ def graded(value, full, name, metric=None):
 @check.part("denoise", 2, jets)
 def denoise_gives_a_mesh(student, V_noisy, V, F, missiles):
     """A mesh, neither untouched nor destroyed."""
-    X = expect.array(student.once("denoise", V_noisy, F), "V", V.shape)
+    X = denoised(student, V_noisy, F)
     expect.that(
         not np.allclose(X, V_noisy, rtol=0, atol=1e-9),
         "Nothing has moved.",
