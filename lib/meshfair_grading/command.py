@@ -8,6 +8,8 @@ new or has changed.
 import argparse
 import sys
 from collections.abc import Callable
+from contextlib import ExitStack
+from functools import partial
 from importlib.util import find_spec
 from math import isfinite
 from pathlib import Path
@@ -52,6 +54,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--memory", type=_above_zero, default=2.0, help="limit in gigabytes (default 2)"
     )
     parser.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="mark on the dask cluster of this scheduler, as many at a time as it has workers",
+    )
+    parser.add_argument(
         "--without-walls",
         action="store_true",
         help="mark where bubblewrap does not work, too: for a machine that you can throw away",
@@ -90,7 +97,7 @@ def run(options: argparse.Namespace) -> int:
     Returns
     -------
     int
-        0, whatever marks the submissions got.
+        0, whatever marks the submissions got; 1 where a cluster went away.
 
     Raises
     ------
@@ -116,28 +123,47 @@ def run(options: argparse.Namespace) -> int:
     limits = Limits(
         call=options.seconds, total=6 * options.seconds, memory=round(options.memory * 1e9)
     )
-    isolation = Isolation.detect(limits, without_walls=options.without_walls)
-    for line in isolation.describe():
-        print(line, file=sys.stderr)
-    if options.seed is None:
-        print(
-            f"seed: that of {source.path.name}, which students know; give --seed a number that "
-            "only you know, and note it for appeals",
-            file=sys.stderr,
+    with ExitStack() as stack:
+        elsewhere = None
+        if options.scheduler is None:
+            isolation = Isolation.detect(limits, without_walls=options.without_walls)
+            lines = isolation.describe()
+        else:
+            from meshfair.experiments.cluster import connect
+            from meshfair_grading.cluster import PACKAGES, check_walls, marks_on
+
+            cluster = stack.enter_context(connect(options.scheduler, packages=PACKAGES))
+            isolation = Isolation(limits)
+            lines = check_walls(cluster, without_walls=options.without_walls)
+            elsewhere = partial(
+                marks_on,
+                cluster,
+                source=source,
+                limits=limits,
+                without_walls=options.without_walls,
+            )
+        for line in lines:
+            print(line, file=sys.stderr)
+        if options.seed is None:
+            print(
+                f"seed: that of {source.path.name}, which students know; give --seed a number "
+                "that only you know, and note it for appeals",
+                file=sys.stderr,
+            )
+        if options.explain is not None:
+            print(_explained(options.explain, options.submissions, source, isolation, options.seed))
+            return 0
+        marks = grade(
+            options.submissions,
+            source,
+            options.out,
+            isolation,
+            seed=options.seed,
+            jobs=options.jobs,
+            force=options.force,
+            progress=lambda marks, total: tqdm(marks, total=total, unit="student"),
+            elsewhere=elsewhere,
         )
-    if options.explain is not None:
-        print(_explained(options.explain, options.submissions, source, isolation, options.seed))
-        return 0
-    marks = grade(
-        options.submissions,
-        source,
-        options.out,
-        isolation,
-        seed=options.seed,
-        jobs=options.jobs,
-        force=options.force,
-        progress=lambda marks, total: tqdm(marks, total=total, unit="student"),
-    )
     assignment = source.load()
     teacher = options.out.with_name(f"{options.out.stem}_teacher")
     files = handed_in(options.submissions, source.name)

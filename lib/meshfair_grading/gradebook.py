@@ -14,7 +14,7 @@ import tempfile
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from meshfair_grading.assignment import Assignment
 from meshfair_grading.feedback import Report, quoted
@@ -38,6 +38,20 @@ class Mark:
     printed: str = ""
     final: bool = True
     """False where this machine could not mark it: it is tried again in the next run."""
+
+    @classmethod
+    def from_record(cls, record: dict[str, Any]) -> Self:
+        """A mark as `dataclasses.asdict` has taken it apart, by way of JSON or not.
+
+        Parameters
+        ----------
+        record : dict
+
+        Returns
+        -------
+        Mark
+        """
+        return cls(**{**record, "outcomes": [Outcome(**one) for one in record["outcomes"]]})
 
     def report(self, assignment: Assignment) -> Report:
         """The feedback for the student.
@@ -153,8 +167,7 @@ class Gradebook:
             record = json.loads(self._record(student).read_text(encoding="utf-8"))
             if record.pop("key") != key:
                 return None
-            record["outcomes"] = [Outcome(**outcome) for outcome in record["outcomes"]]
-            return Mark(**record)
+            return Mark.from_record(record)
         except (OSError, ValueError, KeyError, TypeError):
             return None
 
