@@ -2,7 +2,9 @@
 
 import ast
 import importlib.util
+import json
 import re
+import subprocess
 import sys
 import types
 import zipfile
@@ -420,6 +422,29 @@ def test_what_is_handed_out_has_no_answers(tmp_path, capsys):
     assert out.read_bytes() == before
     assert handout.run(parser.parse_args(["a2", "--out", str(tmp_path / "folder")])) == 0
     assert (tmp_path / "folder" / "a2" / "a2.py").read_text() == SOURCES["a2"].stub()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_teachers_notebook_runs_and_earns_all_points(name, tmp_path):
+    """Its cells in one namespace, as in a kernel, without the pictures."""
+    parser = command.argparse.ArgumentParser()
+    handout.add_arguments(parser)
+    options = parser.parse_args([name, "--solutions", "--out", str(tmp_path)])
+    assert handout.run(options) == 0
+    notebook = json.loads((tmp_path / name / f"{name}.ipynb").read_text(encoding="utf-8"))
+    code = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
+    texts = ["".join(cell["source"]) for cell in code]
+    assert not any("SOLUTION" in text or "NotImplementedError" in text for text in texts)
+    wanted = re.compile(r"^(def \w+\(|import|from)", re.M)
+    defined = "\n\n".join(text for text in texts if wanted.search(text) and "%" not in text[:9])
+    assert all(f"def {task}(" in defined for task in SOURCES[name].load().tasks)
+    script = f"{defined}\n\nfrom {name}_checks import check\n\nprint(check())\n"
+    imports = next(text for text in texts if "import" in text)
+    assert f"import {name}\n" not in imports
+    run = subprocess.run(
+        [sys.executable, "-c", script], cwd=tmp_path / name, capture_output=True, text=True,
+    )  # fmt: skip
+    assert "20 of 20 points" in run.stdout, run.stdout + run.stderr
 
 
 COPIED = """

@@ -21,6 +21,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "assignments", nargs="+", help="a1 ... a5, all, or paths of instructor's files"
     )
     parser.add_argument("--out", type=Path, required=True, help="a .zip file, or a folder")
+    parser.add_argument(
+        "--solutions",
+        action="store_true",
+        help="what the teacher gets instead: notebooks with the solutions, and the hidden tests",
+    )
     parser.add_argument("--force", action="store_true", help="write over what is there")
 
 
@@ -49,7 +54,9 @@ def run(options: argparse.Namespace) -> int:
     files = {
         f"{source.name}/{name}": text
         for source in (Source.read(instructors_file(one)) for one in dict.fromkeys(wanted))
-        for name, text in source.student_files().items()
+        for name, text in (
+            source.solution_files() if options.solutions else source.student_files()
+        ).items()
     }
     if options.out.suffix == ".zip":
         _write({options.out: _zipped(files)}, force=options.force)

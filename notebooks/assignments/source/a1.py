@@ -10,7 +10,7 @@
 # learn to damage one in a controlled way, and to measure by how much: with the
 # vertices (the signal-to-noise ratio) and with the normals (their mean angle).
 #
-# **20 points.** Write your functions into the file `a1.py` beside this notebook: it
+# **20 points, about 3 hours.** Write your functions into the file `a1.py` beside this notebook: it
 # holds a stub for each task. Run the cells here; after you save `a1.py` the notebook
 # uses the new version at once. `check("...")` shows what is right and explains what
 # is not. You hand in `a1.py` and nothing else; it will also be tried on meshes that

@@ -10,8 +10,8 @@
 # them is written in a sparse matrix $W$: one weight $w_{ij}$ for each edge. You will build
 # three such matrices, derive the famous one with the cotangents, and turn weights into means.
 #
-# **20 points.** Write your functions into the file `a2.py` beside this notebook. Run the
-# cells here; after you save `a2.py` the notebook uses the new version at once.
+# **20 points, about 4 hours.** Write your functions into the file `a2.py` beside this
+# notebook. Run the cells here; after you save `a2.py` the notebook uses the new version at once.
 # `check("...")` shows what is right and explains what is not. You hand in `a2.py` and
 # nothing else; it will also be tried on meshes that you have not seen.
 #

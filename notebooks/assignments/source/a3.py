@@ -11,8 +11,8 @@
 # equation, find out how large a step may be before everything explodes, and find the best
 # moment to stop.
 #
-# **20 points.** Write your functions into the file `a3.py` beside this notebook. Run the
-# cells here; after you save `a3.py` the notebook uses the new version at once.
+# **20 points, about 4 hours.** Write your functions into the file `a3.py` beside this
+# notebook. Run the cells here; after you save `a3.py` the notebook uses the new version at once.
 # `check("...")` shows what is right and explains what is not. You hand in `a3.py` and
 # nothing else; it will also be tried on meshes that you have not seen.
 #

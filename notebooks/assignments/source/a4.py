@@ -10,8 +10,8 @@
 # price of a sparse linear system, and turns out to be the answer to a question that sounds
 # quite different: which mesh is smooth, and still close to the noisy one?
 #
-# **20 points.** Write your functions into the file `a4.py` beside this notebook. Run the
-# cells here; after you save `a4.py` the notebook uses the new version at once.
+# **20 points, about 5 hours.** Write your functions into the file `a4.py` beside this
+# notebook. Run the cells here; after you save `a4.py` the notebook uses the new version at once.
 # `check("...")` shows what is right and explains what is not. You hand in `a4.py` and
 # nothing else; it will also be tried on meshes that you have not seen.
 #
