@@ -1,8 +1,8 @@
 """What a notebook needs: pictures of the student's own result, patience, and checks.
 
 ``%load_ext meshfair_grading.notebook`` makes a cell that meets a function which
-is not done yet end with one line instead of a traceback. `practise` lends the checks of an
-assignment to a notebook of the course.
+is not done yet end with one line instead of a traceback, and figures that can be read on light
+and on dark pages. `practise` lends the checks of an assignment to a notebook of the course.
 """
 
 import io
@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from meshfair.plotting import for_both_themes
 from meshfair.viewer import Camera, render
 from meshfair_grading.assignment import Assignment
 from meshfair_grading.generate import ASSIGNMENTS
@@ -125,6 +126,7 @@ def practise(assignment: str) -> Assignment:
 def load_ipython_extension(shell: Any) -> None:
     """Called by IPython's ``%load_ext``."""
     shell.set_custom_exc((NotImplementedError,), _say_what_is_not_done)
+    for_both_themes()
 
 
 def _say_what_is_not_done(

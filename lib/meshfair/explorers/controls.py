@@ -11,7 +11,7 @@ from meshfair.viewer import coloring
 from meshfair.weights import BY_NAME
 
 PLAIN = "none"  # the colouring without values
-NAMED = {"description_width": "8.5em"}
+NAMED = {"description_width": "7.6em"}
 WIDE = {"width": "calc(100% - 8px)", "max_width": "34em"}
 
 # How menus write the noise models' names.

@@ -80,7 +80,7 @@ class CotangentExplorer(anywidget.AnyWidget):
         triangles = Triangles(V, F)
         with self.hold_sync():
             # Corner 2 of each face is the one opposite the edge.
-            cot = triangles.cotangents[:, 2]
+            cot = triangles.cotangents[2]
             self.cotangents = cot.tolist()
             self.angles = (np.degrees(np.arctan2(1, cot)) % 180).tolist()
             self.weight = None if triangles.degenerate.any() else float(W[0, 1])

@@ -100,7 +100,8 @@ class FlowExplorer(Explorer):
         }
         self.view = self._make_view()
         play = widgets.Play(min=0, max=self._iterations, interval=150, show_repeat=True)
-        widgets.jslink((play, "value"), (iteration, "value"))
+        # The slider first: what it shows is what the play button goes on from.
+        widgets.jslink((iteration, "value"), (play, "value"))
         self.best_button = widgets.Button(
             description=f"go to {self.best_word}", icon="bullseye", tooltip=self.best_tooltip
         )

@@ -58,7 +58,7 @@ class JetExplorer(ComparisonExplorer):
             ),
             "decibels": slider(
                 widgets.FloatSlider,
-                "noise: SNR (dB)",
+                "noise SNR (dB)",
                 "SNR of the noisy jet: the noise is scaled to it",
                 value=self._decibels,
                 ends=(15.0, 40.0),

@@ -126,7 +126,7 @@ class LowPassExplorer(Explorer):
             "size": size_slider(size),
             "width": slider(
                 widgets.FloatSlider,
-                "width of the edge",
+                "edge width",
                 "On how much of the axis of eigenvalues the filter by hand falls from 1 to 0",
                 value=0.0,
                 ends=(0.0, 0.5),
@@ -150,7 +150,7 @@ class LowPassExplorer(Explorer):
         self.plots = [
             CurvePlot(
                 title="Transfer functions",
-                x_label="eigenvalue λ of W̃ (fast left, slow right)",
+                x_label="eigenvalue λ (fast left, slow right)",
                 y_label="factor",
             ),
             CurvePlot(
@@ -314,8 +314,7 @@ class LowPassExplorer(Explorer):
         for rival, steps in self._steps.items():
             reached = found.decibels[rival]
             lines[rival] = (np.array([1, n]), np.full(2, reached[steps]))
-            top = int(np.argmax(reached))
-            legend[rival] = f"{reached[steps]:.2f} dB; best {reached[top]:.2f} dB, {top} steps"
+            legend[rival] = f"{reached[steps]:.2f} dB"
         self.plots[0].draw(curves, colors=COLORS)
         self.plots[0].marker = None
         self.plots[1].draw(

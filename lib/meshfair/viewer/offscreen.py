@@ -229,9 +229,9 @@ class Scene:
                 smooth_shade=panel.smooth,
                 material="wax" if panel.values is None else "clay",
             )
-            if panel.edges:
-                mesh.set_edge_width(0.6)
-                mesh.set_edge_color(LINES)
+            # Polyscope remembers a name's edges: those of an older mesh would stay.
+            mesh.set_edge_width(0.6 if panel.edges else 0.0)
+            mesh.set_edge_color(LINES)
         self._panels[slot] = panel
         if panel.values is None:
             return
