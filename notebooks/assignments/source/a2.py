@@ -695,7 +695,7 @@ def cotangent_has_its_half(student, V, F):
     try:
         expect.proportional(got, W, "W", mistakes=mistakes)
     except expect.WrongAnswerError as wrong:
-        hint = "The cotangents themselves are not right yet; see the line above."
+        hint = "The cotangents themselves are not right yet; see the check above."
         raise expect.WrongAnswerError(hint, expected=wrong.expected, got=wrong.got) from None
     expect.close(got, W, "W", mistakes=mistakes)
 

@@ -234,7 +234,9 @@ def noise_is_along_the_normals(student, V, N, eps, seed):
         off < 1e-6 + rounded,
         hint,
         expected="moves parallel to the normals",
-        got=f"{100 * off:.0f} % of the noise is sideways",
+        got=f"{100 * off:.0f} % of the noise is sideways"
+        if hint != NOISE_ALONE
+        else "all vertices near the origin",
     )
 
 
