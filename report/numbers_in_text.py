@@ -245,7 +245,7 @@ def _performance(data: Tables) -> Texts:
         "filters-faces": f"{data['filters']['faces'].iloc[0]:,}",
         "filters-slowest": filters.idxmax(),
         "filters-slowest-seconds": f"{filters.max():.0f}",
-        "filters-others-seconds": f"{filters.drop(filters.idxmax()).max():.1f}",
+        "filters-others-seconds": f"{filters.drop(filters.idxmax()).max():.2g}",
     }
 
 

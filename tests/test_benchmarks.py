@@ -32,7 +32,20 @@ def test_a_quick_benchmark_agrees_and_writes_its_tables(tmp_path):
     methods = [row["method"] for row in rows(tmp_path / "filters.csv")]
     assert methods == denoising.methods()
     assert len(rows(tmp_path / "starting.csv")) == 3
+    files = rows(tmp_path / "files.csv")
+    assert [row["format"] for row in files] == [
+        "OBJ",
+        "OFF",
+        "PLY",
+        "PLY, text",
+        "STL",
+        "STL, text",
+    ]
+    assert all(float(row["write_like"]) > 0 for row in files)
     assert [row["vertices"] for row in rows(tmp_path / "scaling.csv")] == ["600", "2400"]
+    (sweep,) = rows(tmp_path / "sweeping.csv")
+    assert (sweep["where"], sweep["cells"], sweep["workers"]) == ("cluster", "200", "2")
+    assert float(sweep["written"]) > 0
     assert {"processor", "cores", "numba"} <= {
         row["what"] for row in rows(tmp_path / "machine.csv")
     }

@@ -1,6 +1,7 @@
 """Input validation: in `meshfair.checks`, and in every public function that takes a mesh."""
 
 import inspect
+import re
 from types import ModuleType
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 from scipy.sparse import coo_array, csr_array, eye_array
 
 import meshfair
-from meshfair import MeshError, flow, operators, shapes, viewer, weights
+from meshfair import MeshError, denoise, filters, flow, noise, operators, shapes, viewer, weights
 from meshfair.checks import (
     check_choice,
     check_count,
@@ -92,8 +93,8 @@ def public_functions():
 
 FUNCTIONS = public_functions()
 # These take arrays that were checked already, and are called in every iteration of a filter,
-# or on the results of an experiment.
-TRUSTING = {"mesh.face_shapes", "experiments.part_errors"}
+# on the results of an experiment, or by `io.read`.
+TRUSTING = {"mesh.face_shapes", "experiments.part_errors", "io.Attributes"}
 # Widgets: they hand the mesh to a View, which checks it.
 WIDGETS = {name for name in FUNCTIONS if name.startswith("explorers.")}
 CHECKING = {name: FUNCTIONS[name] for name in FUNCTIONS if name not in TRUSTING | WIDGETS}
@@ -199,7 +200,8 @@ def test_choices():
     assert check_choice("clamp", "negative", choices) == "clamp"
     assert check_choice(None, "orient", (None, "outward")) is None
     for bad in ("drop", "", "KEEP", None, 0, ["keep"]):
-        with pytest.raises(ValueError, match=r"^negative is .*; give one of keep, clamp$"):
+        hint = re.escape(" (did you mean 'keep'?)") if bad == "KEEP" else ""
+        with pytest.raises(ValueError, match=rf"^negative is .*; give one of keep, clamp{hint}$"):
             check_choice(bad, "negative", choices)
 
 
@@ -351,3 +353,23 @@ def test_ranges_and_directions():
     for bad in ((0, 0, 0), (1, 2), (1, np.nan, 0), (np.inf, 0, 0), "up", None, [[1, 0, 0]]):
         with pytest.raises(ValueError, match=r"up is .*; give three numbers"):
             check_direction(bad, "up")
+
+
+def test_warnings_name_the_line_that_called_the_package():
+    V, F = shapes.icosphere(1)
+    soup = V[F].reshape(-1, 3), np.arange(F.size).reshape(-1, 3)
+    rng = np.random.default_rng(1)
+    A = operators.averaging(weights.combinatorial(F, len(V)))
+    calls = (
+        lambda: noise.along_normals(*soup, 0.1, rng),
+        lambda: noise.add(*soup, "normals", rng, size=0.1),
+        lambda: denoise(*soup),
+        lambda: list(filters.sun(*soup)),
+        lambda: weights.cotangent(V, [[0, 1, 1], *F]),
+        lambda: list(flow.heat(V, A, 1.5, 3)),
+        lambda: list(filters.heat(V, F, tau=1.5, time=3)),
+    )
+    for call in calls:
+        with pytest.warns() as caught:
+            call()
+        assert {warning.filename for warning in caught} == {__file__}

@@ -5,7 +5,7 @@ import pytest
 
 import meshfair
 from meshes import pair
-from meshfair import denoising, filters, metrics, noise, operators, shapes, weights
+from meshfair import denoising, filters, metrics, noise, operators, shapes, solve, weights
 
 NAMES = [
     "averaging", "heat", "implicit", "regularised", "taubin", "bilateral", "sun",
@@ -144,12 +144,112 @@ def test_a_filter_of_ones_own(noisy_box, monkeypatch):
         ({"parameters": "best"}, "parameters is 'best'; give one of default, auto"),
         ({"method": "taubin", "iterations": -1}, "iterations is -1"),
         ({"parameters": "auto", "sigma": -1.0}, "sigma"),
+        ({"method": "feature-convinced", "sigma": np.nan}, "sigma is nan"),
+        ({"method": "tauben"}, r"feature-convinced \(did you mean 'taubin'\?\)$"),
+        ({"method": "sun", "treshold": 1}, r"fixed \(did you mean 'threshold'\?\)$"),
+        ({"method": "heat", "weights": "Cotan"}, r"cotangent \(did you mean 'cotangent'\?\)$"),
+        ({"method": "taubin", "sigma": 0.2}, "taubin with default parameters does not use it"),
     ],
 )
 def test_wrong_arguments_are_named(noisy_box, arguments, wrong):
     V, _, F = noisy_box
     with pytest.raises(ValueError, match=wrong):
         meshfair.denoise(V, F, **arguments)
+
+
+@pytest.mark.parametrize("callback", [3, "progress", [print]])
+def test_a_callback_that_is_none_is_refused(noisy_box, callback):
+    V, _, F = noisy_box
+    with pytest.raises(TypeError, match=r"^callback is .*; give a function of one number, 0 to 1$"):
+        meshfair.denoise(V, F, callback=callback)
+
+
+def test_a_known_noise_size_is_used(noisy_box, monkeypatch):
+    V, _, F = noisy_box
+    known = meshfair.denoise(V, F, "feature-convinced", sigma=0.3)
+    assert known.parameters["noise"] == 0.3
+    assert known.parameters["iterations"] == 6  # the table of [LLL19] for 0.25 to 0.45
+    np.testing.assert_array_equal(known.V, meshfair.denoise(V, F, "feature-convinced", noise=0.3).V)
+    chosen = meshfair.denoise(V, F, "feature-convinced", sigma=0.3, noise=0.05)
+    assert chosen.parameters["noise"] == 0.05  # what is given by name stands
+    auto = meshfair.denoise(V, F, "feature-convinced", parameters="auto", sigma=0.3)
+    assert auto.parameters["noise"] == 0.3
+
+    monkeypatch.setattr(denoising, "_METHODS", dict(denoising._METHODS))
+
+    @denoising.register("by noise", noise="strength")
+    def by_noise(V, F, *, strength=None, fixed=None):
+        yield 1.0, V * (1 - strength)
+
+    np.testing.assert_array_equal(meshfair.denoise(V, F, "by noise", sigma=0.25).V, V * 0.75)
+
+
+def far_vertex():
+    """A sphere with one vertex 10,000 radii away."""
+    V, F = shapes.icosphere(3)
+    V = noise.along_normals(V, F, 0.2, np.random.default_rng(2))
+    V[7] *= 10_000
+    return V, F
+
+
+def test_candidates_that_cannot_be_solved_are_left_out_and_told():
+    V, F = far_vertex()
+    with pytest.warns(meshfair.MeshWarning, match=r"^\d+ of 18 candidates were left out") as caught:
+        result = meshfair.denoise(V, F, "regularised", parameters="auto")
+    assert np.isfinite(result.V).all()
+    assert "left a residual of" in str(caught[0].message)
+    with pytest.raises(solve.SolveError, match=r"flattest face is \d+, with vertices \[.*\b7\b"):
+        meshfair.denoise(V, F, "regularised", order=2, lam=8.0)
+
+
+def test_where_no_candidate_can_be_solved_the_error_says_why(noisy_box, monkeypatch):
+    V, _, F = noisy_box
+
+    def unsolvable(*_, **__):
+        raise solve.SolveError("the residual is what it is")
+
+    monkeypatch.setattr(solve, "implicit_step", unsolvable)
+    with pytest.raises(solve.SolveError, match="the residual is what it is"):
+        meshfair.denoise(V, F, "implicit", parameters="auto")
+
+
+@pytest.mark.parametrize(
+    "method", [name for name in NAMES if name not in ("implicit", "regularised")]
+)
+def test_progress_comes_in_small_steps(noisy_box, method):
+    V, _, F = noisy_box
+    told = [0.0]
+    meshfair.denoise(V, F, method, callback=told.append)
+    assert told[-1] == 1
+    largest = {"averaging": 0.5, "heat": 0.1, "bilateral": 0.2}.get(method, 0.1)  # 2, 10, 5 steps
+    assert np.diff(told).max() <= largest + 1e-12
+    assert np.diff(told).min() > 0
+
+
+# A country's grid in metres and in millimetres, and a satellite's orbit; edges are of 0.3 units.
+PLACES = [(448250.0, 5411940.0, 212.0), (4.4e8, 5.4e9, 2.1e5), (0.0, 0.0, 4.2e7)]
+
+
+@pytest.mark.parametrize("place", PLACES, ids=str)
+@pytest.mark.parametrize("method", NAMES)
+def test_a_result_does_not_depend_on_the_place(method, place):
+    V, F = shapes.icosphere(2)
+    there = noise.along_normals(V, F, 0.2, np.random.default_rng(4)) + place
+    here = there - place  # the same mesh: what rounding made of it there
+    moved = meshfair.denoise(there, F, method).V - place
+    # Each of up to 70 steps rounds positions to their last digit there, and its sums of a
+    # few tens of them; a normal turns by that over the distance of a third of an edge.
+    digit = np.spacing(np.max(np.abs(there)))
+    np.testing.assert_allclose(moved, meshfair.denoise(here, F, method).V, atol=3000 * digit)
+
+
+@pytest.mark.parametrize("method", NAMES)
+def test_a_mesh_without_edges_is_told_or_left_as_it_is(method):
+    V, F = np.ones((2, 3)), [[0, 0, 0], [1, 1, 1]]
+    try:
+        np.testing.assert_array_equal(meshfair.denoise(V, F, method).V, V)
+    except meshfair.MeshError as error:
+        assert "no edge at all" in str(error)  # noqa: PT017  either is right
 
 
 def test_a_clean_mesh_of_another_size(noisy_box):

@@ -30,7 +30,7 @@ MESHES = {"box": shapes.box(segments=4), "knot": (V, F)}
 @pytest.fixture(autouse=True)
 def quick_pictures(monkeypatch):
     """No page listens, so nothing is drawn; k3d would build its widgets, too."""
-    monkeypatch.setattr(viewer.view, "has_egl", lambda: True)
+    monkeypatch.setattr(viewer.live, "has_egl", lambda: True)
 
 
 @pytest.mark.parametrize(
@@ -147,6 +147,7 @@ def test_the_averaging_explorer_counts_iterations():
 def test_the_comparison_has_one_noise_for_all_weights():
     explorer = explorers.ComparisonExplorer(V, F, iterations=3)
     explorer.wait()
+    explorer.controls["iteration"].value = 0
     first, *others = (panel.V for panel in explorer.view.panels)
     for other in others:
         np.testing.assert_array_equal(other, first)
@@ -169,7 +170,8 @@ def test_the_stability_explorer_says_how_many_eigenmodes_grow():
     explorer.controls["iteration"].value = 30
     explorer.wait()
     assert not explorer._note.value.startswith("0 of")
-    moved = np.linalg.norm(explorer.view.panels[0].V - V, axis=1).max()
+    (states,) = explorer._run.states.values()
+    moved = np.linalg.norm(states[30] - V, axis=1).max()
     assert moved > 100 * np.ptp(V, axis=0).max()
 
 
@@ -216,7 +218,7 @@ def test_the_filter_explorer_shows_what_denoise_makes_of_the_mesh():
         np.testing.assert_allclose(curve["y"], expected.history[column])
         assert plot.marker == len(expected.history) - 1
     found = metrics.compare(expected.V, F, V, F)
-    for reported in (f"{decibels:.2f} dB", f"{found['hausdorff']:.3f} edges"):
+    for reported in (f"{decibels:.2f} dB", f"{found['hausdorff'].value:.3f} edges"):
         assert reported in explorer.table.value
     assert f"iterations = {expected.parameters['iterations']};" in explorer._note.value
 

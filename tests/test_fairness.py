@@ -513,7 +513,7 @@ def test_a_mark_can_be_explained(isolation, tmp_path):
 
 
 def test_the_command_warns_without_a_seed_and_explains(isolation, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(Isolation, "detect", classmethod(lambda cls, limits: isolation))
+    monkeypatch.setattr(Isolation, "detect", classmethod(lambda cls, limits, **_: isolation))
     (tmp_path / "in").mkdir()
     (tmp_path / "in" / "anna.py").write_text(SOURCES["a1"].solution())
     parser = command.argparse.ArgumentParser()

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from fast import both
 from meshes import soups
-from meshfair import flow, mesh, noise, operators, shapes, solve, stability, weights
+from meshfair import MeshWarning, flow, mesh, noise, operators, shapes, solve, stability, weights
 from meshfair._fast import kernels
 
 
@@ -54,6 +54,19 @@ def test_weights(soup):
     for negative in ("keep", "clamp"):
         # Cotangents of soups' thin triangles grow like 1 / height, and so does their rounding.
         same_matrix(*both(lambda n=negative: weights.cotangent(V, F, negative=n)), 1e-12)
+
+
+@pytest.mark.parametrize("place", [(0.0, 0, 0), (448250.0, 5411940, 212), (0.0, 0, 4.2e7)])
+def test_both_see_a_t_junction_wherever_it_lies(place):
+    V = np.array([[0.1, 0.2, 0], [1.2, 0.9, 0.3], [0.4, 1.3, 0.7]])
+    V = np.concatenate([V, [0.3 * V[0] + 0.7 * V[1]]]) + place
+    F = np.array([[0, 1, 2], [0, 3, 1]])
+
+    def warned():
+        with pytest.warns(MeshWarning, match=r"^1 of 2 faces are degenerate .* \[0, 3, 1\]"):
+            return weights.cotangent(V, F)
+
+    same_matrix(*both(warned), 1e-12)
 
 
 @given(ragged_soups())

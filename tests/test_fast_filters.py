@@ -145,6 +145,7 @@ OF_LOOPS = ("bilateral", "bilateral_normal", "feature_convinced", "guided_normal
 
 
 @pytest.mark.parametrize("name", OF_LOOPS)
+@pytest.mark.filterwarnings("ignore::meshfair.MeshWarning")
 def test_whole_filters(name, odd_mesh):
     V, F = odd_mesh
 

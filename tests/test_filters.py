@@ -767,6 +767,7 @@ def test_motion_scale_and_labels_carry_over(method):
 
 
 @pytest.mark.parametrize("method", ALL.values(), ids=ALL)
+@pytest.mark.filterwarnings("ignore::meshfair.MeshWarning")
 def test_odd_meshes_stay_finite_and_the_input_is_left_alone(method, rng):
     V, F = fan(5)
     V = np.concatenate([V + 0.05 * rng.standard_normal(V.shape), [[9.0, 9, 9]]])

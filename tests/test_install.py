@@ -143,6 +143,7 @@ OPTIONAL = {
     "from meshfair import experiments; experiments.published_table_1()": "experiments",
     "from meshfair import denoise, shapes; V, F = shapes.knot()\n"
     "denoise(V, F, 'taubin', ground_truth=V)": "experiments",
+    "from meshfair import io, shapes; io.write('a.glb', *shapes.knot())": "formats",
     "from meshfair import plotting\nwith plotting.figure('x.svg'): pass": "viewer",
 }
 

@@ -20,7 +20,8 @@ from hypothesis import strategies as st
 import mesh_files
 from meshfair import io, shapes
 from meshfair.checks import LARGEST_COORDINATE, MeshError, MeshWarning
-from meshfair.io import ply, text
+from meshfair.io import ply_header, ply_rows, text
+from meshfair.io.welding import same_rows
 
 EXACT = [".obj", ".off", ".ply", ".obj.gz", ".off.gz", ".ply.gz"]
 ALL = [*EXACT, ".stl", ".stl.gz"]
@@ -179,7 +180,7 @@ def test_odd_files_are_read_exactly(odd, tmp_path):
     for name, (data, V, F) in odd.items():
         path = tmp_path / name
         path.write_bytes(data)
-        read_V, read_F = read(path)
+        read_V, read_F = read(path, weld=False)
         assert same(read_V, np.asarray(V, np.float64)), name
         assert same(read_F, np.asarray(F, np.int64)), name
         assert read_V.flags.writeable
@@ -203,31 +204,34 @@ def test_cutting_polygons_is_reported(tmp_path):
     assert record[0].filename == __file__  # the warning points at the caller
 
 
-def test_stl_is_not_merged_unless_asked_for_and_both_are_reported(tmp_path, caplog):
+def test_stl_is_merged_unless_the_soup_is_asked_for(tmp_path, caplog):
     path = tmp_path / "pyramid.stl"
     path.write_bytes(mesh_files.SOUND["binary.stl"])
-    with pytest.warns(
-        MeshWarning, match=r"pyramid\.stl: .* 6 triangles .* weld_stl=True"
-    ) as record:
-        V, F = io.read(path)
-    assert record[0].filename == __file__
-    assert V.shape == (18, 3)
-    assert same(F, np.arange(18).reshape(6, 3))
     with caplog.at_level(logging.INFO, "meshfair.io"):
-        V, F = io.read(path, weld_stl=True)
+        V, F = io.read(path)
     assert "merged 18 vertices into 5" in caplog.text
     # In the order of the file: the corners of the first face come first.
     assert same(V[:3], mesh_files.V[[0, 3, 2]])
     assert same(V[F], mesh_files.V[mesh_files.F])
+    V, F = io.read(path, weld=False)
+    assert V.shape == (18, 3)
+    assert same(F, np.arange(18).reshape(6, 3))
 
 
 def test_welding_is_exact_and_leaves_other_formats_alone(tmp_path):
     V = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [-0.0, 0, 0], [1, 1e-45, 0], [0, 1, 0]])
     F = np.array([[0, 1, 2], [3, 4, 5]])
     io.write(tmp_path / "a.stl", V, F)
-    assert same(io.read(tmp_path / "a.stl", weld_stl=True)[1], np.array([[0, 1, 2], [0, 3, 2]]))
+    assert same(io.read(tmp_path / "a.stl")[1], np.array([[0, 1, 2], [0, 3, 2]]))
     io.write(tmp_path / "a.obj", V, F)
-    assert same(io.read(tmp_path / "a.obj", weld_stl=True)[0], V)
+    assert same(io.read(tmp_path / "a.obj")[0], V)
+
+
+@given(st.lists(st.tuples(*3 * [st.sampled_from([0.0, -0.0, 1.0, 5e-324])]), min_size=1))
+def test_rows_are_the_same_where_python_says_so(rows):
+    first, kind = same_rows(np.array(rows))
+    assert first.tolist() == [rows.index(row) for row in dict.fromkeys(rows)]
+    assert kind.tolist() == [list(dict.fromkeys(rows)).index(row) for row in rows]
 
 
 # ---- The fast code against the slow and obvious
@@ -238,7 +242,7 @@ def slow_obj(data):
     number = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|[-+]?(nan|inf|infinity)", re.I)
     integer = re.compile(r"[-+]?\d+")
     data = data.decode("latin-1").removeprefix("\u00ef\u00bb\u00bf")
-    data = re.sub("#[^\n]*", "", data.replace("\r\n", "\n").replace("\r", "\n"))
+    data = re.sub(r"(?<!\S)#[^\n]*", "", data.replace("\r\n", "\n").replace("\r", "\n"))
     V, polygons = [], []
     for line in data.replace("\\\n", " ").split("\n"):
         words = re.findall(r"[^ \t\n\v\f\r]+", line)
@@ -313,8 +317,13 @@ def test_obj_is_read_as_the_loop_reads_it(tmp_path_factory, before, middle, afte
 @given(st.text(alphabet=" \t\n\r\f\v#ab1.\\", max_size=60))
 def test_lines_and_words_are_those_of_python(data):
     data = data.encode()
-    lines = text.Lines(text.normalised_text(data))
-    by_python = re.sub(b"#[^\n]*", b"", data.replace(b"\r\n", b"\n").replace(b"\r", b"\n"))
+    normalised = text.normalised_text(data, comments=True)
+    assert [data[a : a + n] for a, n in zip(*text.words_of(normalised), strict=True)] == (
+        normalised.split()
+    )
+    lines = text.Lines(normalised)
+    by_python = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    by_python = re.sub(rb"(?<!\S)#[^\n]*", b"", by_python)
     expected = [
         (i, line.split()) for i, line in enumerate(by_python.split(b"\n"), 1) if line.split()
     ]
@@ -399,11 +408,11 @@ def test_numbers_are_as_many_as_words():
 
 @given(st.data(), st.sampled_from(["little", "big"]))
 def test_binary_rows_are_the_same_at_once_and_one_by_one(data, order):
-    types = st.sampled_from(sorted(ply.TYPES)).map(ply.TYPES.get)
+    types = st.sampled_from(sorted(ply_header.TYPES)).map(ply_header.TYPES.get)
     length_types = st.sampled_from([None, "int8", "uint8", "uint16", "int32"])
     drawn = data.draw(st.lists(st.tuples(types, length_types), min_size=1, max_size=4))
     properties = [
-        ply.Property(str(k), dtype, length and np.dtype(length))
+        ply_rows.Property(str(k), dtype, length and np.dtype(length))
         for k, (dtype, length) in enumerate(drawn)
     ]
     rows = data.draw(st.integers(0, 6))
@@ -415,12 +424,13 @@ def test_binary_rows_are_the_same_at_once_and_one_by_one(data, order):
             if p.length is not None:
                 content += n.to_bytes(p.length.itemsize, order)
             content += bytes(range(row, row + n * p.dtype.itemsize))
-    element = ply.Element("any", rows, properties)
-    table, end = ply._binary_table(b"head" + content, 4, element, order)
-    slow, slow_end = ply._rows_one_by_one(b"head" + content, 4, element, order, rows)
+    element = ply_rows.Element("any", rows, properties)
+    table, end = ply_rows._binary_table(b"head" + content, 4, element, order)
+    slow, slow_end = ply_rows._rows_one_by_one(b"head" + content, 4, element, order, rows)
     assert end == slow_end == 4 + len(content)
     for p in properties:
-        assert all(same(a, b) for a, b in zip(table[p.name], slow[p.name], strict=True))
+        for column in ("values", "lengths", "starts"):
+            assert same(getattr(table[p.name], column), getattr(slow[p.name], column))
 
 
 # ---- Other readers and real files
@@ -514,7 +524,7 @@ def test_written_meshes_come_back_bit_by_bit(folder, ending, binary, mesh):
 def test_written_stl_comes_back_as_triangles(folder, binary, mesh):
     V, F = mesh
     io.write(folder / "a.stl", V, F, binary=binary)
-    read_V, read_F = read(folder / "a.stl")
+    read_V, read_F = read(folder / "a.stl", weld=False)
     assert same(read_V, V[F].reshape(-1, 3))
     assert same(read_F, np.arange(3 * len(F)).reshape(-1, 3))
 
@@ -522,7 +532,7 @@ def test_written_stl_comes_back_as_triangles(folder, binary, mesh):
 def test_stl_rounds_to_float32_and_refuses_what_does_not_fit(folder):
     V, F = np.array([[0.1, 0, 0], [1, 0, 0], [0, 1 / 3, 0]]), np.array([[0, 1, 2]])
     io.write(folder / "a.stl", V, F)
-    assert same(read(folder / "a.stl")[0], V.astype(np.float32).astype(np.float64))
+    assert same(read(folder / "a.stl", weld=False)[0], V.astype(np.float32).astype(np.float64))
     for binary in True, False:
         with pytest.raises(MeshError, match=r"a\.stl: vertex 1: position .* up to 3\.4e38"):
             io.write(folder / "a.stl", V * [1e39, 1, 1], F, binary=binary)
@@ -823,7 +833,7 @@ def fuzz(folder, examples):
         path = folder / (f"fuzz.{kind}.gz" if compressed else f"fuzz.{kind}")
         path.write_bytes(gzip.compress(data, 0) if compressed else data)
         try:
-            V, F = read(path)
+            V, F, attributes = read(path, attributes=True)
         except MeshError as error:
             named = path.name in str(error)
             assert named
@@ -832,6 +842,7 @@ def fuzz(folder, examples):
             assert len(F)
             assert F.min() >= 0
             assert F.max() < len(V)
+            mesh_files.check_attributes(V, F, attributes)
 
     return read_any
 

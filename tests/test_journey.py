@@ -70,8 +70,7 @@ def test_a_real_mesh_goes_through(file, mirror, tmp_path):
 def test_a_soup_from_an_stl_file_goes_through_when_it_is_welded(tmp_path):
     V, F = shapes.box(segments=4)
     io.write(tmp_path / "box.stl", V, F)
-    with pytest.warns(UserWarning, match="weld"):
-        soup, triangles = io.read(tmp_path / "box.stl")
+    soup, triangles = io.read(tmp_path / "box.stl", weld=False)
     assert mesh.inspect(soup, triangles).counts["duplicate_vertices"] == 3 * len(F) - len(V)
     welded = mesh.repair(soup, triangles, weld=0)
     assert mesh.inspect(welded.V, welded.F).closed

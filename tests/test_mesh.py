@@ -5,8 +5,9 @@ from itertools import combinations
 import igl
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
 
 from broken import TETRAHEDRON, bow_tie, hourglass, wild_meshes
 from fast import both
@@ -152,6 +153,33 @@ def test_degenerate_faces_do_not_depend_on_the_unit(unit):
     )
     F = [[0, 1, 2], [0, 1, 3], [1, 4, 2], [1, 1, 2], [0, 1, 5]]
     assert mesh.degenerate_faces(V, F).tolist() == [False, True, True, True, True]
+
+
+PLACES = [(448250.0, 5411940.0, 212.0), (-4.4e8, 5.4e9, 2.1e5), (0.0, 0.0, 4.2e7)]
+
+
+@given(
+    st.sampled_from(PLACES),
+    hnp.arrays(float, 3, elements=st.floats(-1, 1)),
+    hnp.arrays(float, 3, elements=st.floats(-1, 1)),
+    st.floats(0, 1),
+)
+def test_three_points_on_a_line_are_degenerate_wherever_they_lie(place, a, b, t):
+    assume(np.linalg.norm(a - b) > 0.1)
+    V = np.array([a, b, (1 - t) * a + t * b]) + place
+    assert mesh.degenerate_faces(V, [[0, 1, 2]]).all()
+    # ... and a triangle ten times as high as rounding at that place is none.
+    side = np.linalg.norm(np.cross(b - a, [0.3, 0.5, 0.8]))
+    assume(side > 0.1)
+    up = np.cross(b - a, [0.3, 0.5, 0.8]) / side
+    V[2] += up * 10 * 4 * np.finfo(float).eps * np.abs(V).max()
+    assert not mesh.degenerate_faces(V, [[0, 1, 2]]).any()
+
+
+def test_flatness_is_the_height_over_the_longest_edge():
+    V = [[0.0, 0, 0], [4, 0, 0], [1, 1, 0], [1, 1, 0]]
+    T = mesh.Triangles(V, [[0, 1, 2], [2, 2, 3], [0, 1, 1]])
+    assert T.flatness.tolist() == [0.25, 0, 0]
 
 
 def test_cotangents_of_a_right_triangle():

@@ -120,7 +120,7 @@ def test_import_is_quick_because_it_loads_little():
 
 
 # Modules that packages of other names provide.
-DISTRIBUTIONS = {"PIL": "pillow", "igl": "libigl", "yaml": "pyyaml"}
+DISTRIBUTIONS = {"PIL": "pillow", "collada": "pycollada", "igl": "libigl", "yaml": "pyyaml"}
 
 
 def requirements(*groups):

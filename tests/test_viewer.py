@@ -11,9 +11,10 @@ import pytest
 from PIL import Image
 
 from meshfair import MeshError, checks, shapes, viewer
-from meshfair.viewer import Camera, View, coloring, frames, offscreen, window
+from meshfair.viewer import Camera, View, coloring, egl, frames, offscreen, window
 from meshfair.viewer.painter import paint
-from meshfair.viewer.panel import Panel, Scale
+from meshfair.viewer.panel import NONE, Panel, Scale, colors
+from meshfair.viewer.placement import Placement
 
 needs_egl = pytest.mark.skipif(not viewer.has_egl(), reason="polyscope cannot draw here: no EGL")
 UP = (0.0, 0.0, 1.0)
@@ -117,6 +118,8 @@ def test_background_is_the_pages_colour(torus, camera, background):
         lambda: offscreen.scene().draw(panel, camera, (40, 30), background=background)
     )
     np.testing.assert_allclose(pixels[0, 0, :3] / 255, background, atol=0.02)
+    # And is no other picture's: stills of a page in the dark are transparent, too.
+    assert viewer.render(*torus, camera, size=(40, 30))[0, 0, 3] == 0
 
 
 @needs_egl
@@ -172,13 +175,366 @@ def test_matplotlib_paints_values_and_edges_from_far_to_near():
     )
 
 
+def valued(*values):
+    return Panel(np.eye(3), np.array([[0, 1, 2]]), np.array(values))
+
+
 def test_scale():
-    a, b = np.array([0.0, 2.0]), np.array([-1.0, 1.0])
-    assert Scale.of([None, None]) is None
-    assert Scale.of([a, None, b]) == Scale(-1, 2)
+    V, F = np.eye(3), np.array([[0, 1, 2]])
+    a, b = valued(0.0, 2, 1), valued(-1.0, 1, 0)
+    assert Scale.of([Panel(V, F), Panel(V, F)]) is None
+    assert Scale.of([a, Panel(V, F), b]) == Scale(-1, 2)
     assert Scale.of([a], limits=(0, 5), cmap="magma").high == 5
-    constant = Scale.of([np.ones(3)])
-    assert constant.low < constant.high
+    for constant in (0.0, 1.0, -1e9, 1e-12, 1e75):
+        scale = Scale.of([valued(*[constant] * 3)])
+        assert scale.low < scale.high
+    np.testing.assert_allclose(Scale(-1, 3).parts(np.array([-1, 0, 3.0])), [0, 0.25, 1])
+    np.testing.assert_allclose(Scale(-1.5e308, 1.5e308).parts(np.array([0.0])), 0.5)
+
+
+@pytest.mark.parametrize("none", [np.nan, np.inf, -np.inf])
+def test_the_scale_is_that_of_finite_values_and_none_is_grey(none):
+    panel = valued(1.0, none, 3.0)
+    scale = Scale.of([panel])
+    assert (scale.low, scale.high) == (1, 3)
+    low, grey, high = colors(panel, scale)
+    np.testing.assert_array_equal(grey, NONE)
+    np.testing.assert_array_equal([low, high], scale.colormap([0.0, 1.0])[:, :3])
+    empty = valued(none, none, none)
+    assert Scale.of([empty]) is None
+    np.testing.assert_array_equal(colors(empty, None), [NONE] * 3)
+    # What no face uses is not drawn: it has no part in the scale, and needs no colour.
+    stray = Panel(np.eye(4)[:, :3], panel.F, np.array([1.0, 2, 3, none]))
+    assert stray.complete
+    assert Scale.of([Panel(stray.V, panel.F, np.array([1.0, 2, 3, 1e9]))]).high == 3
+
+
+# Anywhere, in any unit
+
+GRID = (448250.0, 5411940.0, 212.0)  # metres in a country's coordinates
+PLACES = [(1.0, GRID), (1e6, (0, 0, 0)), (1e-9, (0, 0, 0)), (1.0, (2e8,) * 3)]
+EXTREMES = [(1e-100, (0, 0, 0)), (1e74, (0, 0, 0))]
+
+
+def differing(first, second):
+    """The share of pixels that differ by more than the last rounding of a colour."""
+    return (np.abs(first.astype(int) - second).max(axis=2) > 2).mean()
+
+
+@needs_egl
+@pytest.mark.parametrize(("unit", "place"), PLACES + EXTREMES)
+def test_the_picture_does_not_depend_on_place_or_unit(unit, place, monkeypatch):
+    V, F = shapes.icosphere(3)
+    # Far away double precision rounds positions: the same rounding for the ball at the origin.
+    there = (V + place) * unit
+    here = there / unit - place
+    for with_egl in (True, False):
+        if not with_egl:
+            monkeypatch.setattr(offscreen, "has_egl", lambda: False)
+            monkeypatch.setattr(offscreen, "_warn_of_matplotlib", lambda: None)
+        pictures = [
+            viewer.render(X, F, Camera.around(X, (1, -1, 0.6)), size=(160, 160), values=V[:, 2])
+            for X in (here, there)
+        ]
+        # An edge that falls on a pixel's border to the last digit may go to either side.
+        assert differing(*pictures) < 1e-3
+
+
+@pytest.mark.parametrize(("unit", "place"), PLACES + EXTREMES)
+def test_k3d_gets_positions_that_single_precision_holds(unit, place):
+    V, F = shapes.icosphere(3)
+    there = (V + place) * unit
+    view = View(there, F, backend="k3d")
+    reference = View(there / unit - place, F, backend="k3d")
+    (mesh,), (other,) = view._backend._meshes, reference._backend._meshes
+    assert len(np.unique(mesh.vertices, axis=0)) == len(V)
+    np.testing.assert_allclose(mesh.vertices, other.vertices, atol=1e-6)
+    np.testing.assert_allclose(
+        view._backend._plots[0].camera, reference._backend._plots[0].camera, atol=1e-6
+    )
+
+
+def test_values_that_single_precision_cannot_tell_apart_have_their_colours():
+    V, F = shapes.icosphere(2)
+    view = View(V, F, values=5411940.0 + 1e-3 * V[:, 2], backend="k3d")
+    (mesh,) = view._backend._meshes
+    parts = (V[:, 2] - V[:, 2].min()) / np.ptp(V[:, 2])
+    np.testing.assert_allclose(mesh.attribute, parts, atol=1e-5)
+
+
+def test_meshes_that_move_or_grow_are_placed_anew_and_small_changes_are_not(torus):
+    V, F = torus
+    view = View([V, V], F, backend="k3d")
+    placement = view._placement
+    view.update(1.5 * V, panel=1)
+    assert view._placement is placement
+    far = V + [0, 0, 1e7]
+    with view.together():
+        view.update(far, panel=0)
+        view.update(far, panel=1)
+    view.look_at(far)
+    for mesh in view._backend._meshes:
+        assert np.ptp(mesh.vertices, axis=0).max() == pytest.approx(1)
+        assert np.abs(mesh.vertices).max() < 1
+    position = np.array(view._backend._plots[0].camera[:3])
+    distance = np.linalg.norm(np.subtract(view.camera.position, far.mean(axis=0)))
+    assert np.linalg.norm(position) == pytest.approx(distance / view._placement.size, rel=1e-6)
+
+
+def test_what_no_face_uses_moves_neither_camera_nor_mesh(torus):
+    V, F = torus
+    stray = np.concatenate([V, [[1e6, 0, 0]]])
+    view, reference = (View(X, F, backend="k3d") for X in (stray, V))
+    assert view.camera == reference.camera
+    np.testing.assert_array_equal(view.placed[0].V[:-1], reference.placed[0].V)
+    np.testing.assert_array_equal(view.placed[0].V[-1], 0)
+
+
+# Straight along up
+
+
+@pytest.mark.parametrize("direction", [(0, 0, 1), (0, 0, -3), (0, 1e-12, 1)])
+@pytest.mark.parametrize("up", [(0, 0, 1), (0, 0, -2)])
+def test_looking_straight_along_up_takes_another_up(torus, direction, up):
+    camera = Camera.around(torus[0], direction, up)
+    np.testing.assert_allclose(camera.up, (0, 1, 0), atol=1e-9)  # as on a map
+    np.testing.assert_allclose(np.abs(camera.axes[2]), [0, 0, 1], atol=1e-9)
+    view = View(*torus, direction=direction, up=up, backend="k3d")
+    turned = view.camera.orbit(0.3, 0.2, view.up)
+    assert np.isfinite([*turned.position, *turned.up]).all()
+    assert np.dot(turned.axes[1], view.up) > 0  # and now its own up is up
+
+
+@pytest.mark.parametrize(("along", "other"), [((1, 0, 0), (0, 0, 1)), ((0, 2, 0), (0, 0, 1))])
+def test_along_the_other_axes_z_is_up(torus, along, other):
+    np.testing.assert_allclose(Camera.around(torus[0], along, along).up, other, atol=1e-12)
+
+
+def test_a_single_point_is_seen_from_nearby():
+    camera = Camera.around([[5e6, 1.0, 2.0]], (1, -1, 0.6))
+    np.testing.assert_allclose(camera.target, [5e6, 1, 2])
+    assert np.linalg.norm(np.subtract(camera.position, camera.target)) > 0.5
+
+
+# Arguments
+
+
+def mesh_of(view):
+    return view.panels[0].V, view.panels[0].F
+
+
+def test_arrays_stand_for_numbers_and_lists(torus):
+    V, F = torus
+    view = View(
+        np.stack([V, 2 * V]),
+        np.stack([F, F]),
+        titles=np.array(["a", "b"]),
+        values=np.stack([V[:, 0], V[:, 1]]),
+        limits=np.array([0, 42.0]),
+        direction=np.array([1, -1, 1]),
+        up=np.array([0, 0, 1.0]),
+        smooth=np.True_,
+        backend="k3d",
+    )
+    assert view.titles == ["a", "b"]
+    assert (view.scale.low, view.scale.high) == (0, 42)
+    view.color_by("other", limits=np.array([1, 2]))
+    assert view.scale.high == 2
+    assert View([V, V], F, values=[None, None], backend="k3d").scale is None
+
+
+def test_meshes_of_another_library_stand_for_both_arrays(torus):
+    other = types.SimpleNamespace(vertices=torus[0], faces=torus[1])
+    for view in (View(other, backend="k3d"), View([other, other], titles="x", backend="k3d")):
+        np.testing.assert_array_equal(view.panels[-1].V, torus[0])
+        np.testing.assert_array_equal(view.panels[-1].F, torus[1])
+    with pytest.raises(MeshError, match="F is missing; give the faces"):
+        View(torus[0], backend="k3d")
+
+
+@pytest.mark.parametrize(("options", "message"), [
+    ({"limits": (1, 0)}, r"limits is \(1, 0\); give two numbers, the smaller one first"),
+    ({"limits": np.array([[0, 1]])}, "limits is array"),
+    ({"limits": "12"}, "limits is '12'"),
+    ({"limits": (0, np.nan)}, "limits is"),
+    ({"cmap": "Viridis"}, r"did you mean 'viridis'\?"),
+    ({"cmap": np.array(["viridis", "magma"])}, "cmap is array"),
+    ({"cmap": ["viridis"]}, r"cmap is \['viridis'\]"),
+    ({"titles": 3}, "titles is 3; give a text, or a list"),
+    ({"titles": [3]}, "a title is 3; give a text"),
+    ({"label": None}, "label is None; give a text"),
+    ({"smooth": "yes"}, "smooth is 'yes'; give True or False"),
+    ({"edges": 1}, "edges is 1; give True or False"),
+    ({"direction": (0, 0, 0)}, "direction is"),
+    ({"direction": ("1", "0", "0")}, "direction is"),
+    ({"up": (0, 1)}, "up is"),
+    ({"up": [[1], [1, 2]]}, "up is"),
+    ({"backend": np.array(["k3d"] * 2)}, "backend is array"),
+    ({"values": "height"}, "values holds values of type"),
+    ({"values": [[1.0], [2.0, 3.0]]}, "2 entries; give one for each of 1 panels"),
+])  # fmt: skip
+def test_what_is_no_argument_is_refused_in_one_sentence(torus, options, message):
+    with pytest.raises(ValueError, match=message) as caught:
+        View(*torus, **{"backend": "k3d"} | options)
+    assert "\n" not in str(caught.value).replace("\n", "", str(options).count("\n"))
+
+
+@pytest.mark.parametrize(("use", "message"), [
+    (lambda view: view.still((0, 100)), r"size is \(0, 100\); give width and height"),
+    (lambda view: view.still((300.5, 100)), "two whole numbers of pixels from 64 to 8192"),
+    (lambda view: view.still(300), "size is 300"),
+    (lambda view: view.still((300, 200, 100)), "size is"),
+    (lambda view: view.still((10**6, 100)), "from 64 to 8192"),
+    (lambda view: view.update(panel=1), "panel is 1; give one of 0"),
+    (lambda view: view.update(panel="first"), "panel is 'first'"),
+    (lambda view: view.update(title=7), "title is 7; give a text"),
+    (lambda view: view.color_by(None), "label is None"),
+    (lambda view: view.color_by("height", cmap=""), "cmap is ''"),
+    (lambda view: view.look_at(view.panels[0].V, direction="up"), "direction is 'up'"),
+    (lambda view: view.fit(0), "aspect is 0"),
+    (lambda view: view.camera.zoom(0), "factor is 0; give a number above 0"),
+    (lambda view: view.camera.orbit(np.nan, 0, UP), "yaw is nan; give a finite number"),
+    (lambda view: view.camera.orbit(0, 0, (0, 0, 0)), "axis is"),
+    (lambda view: view.camera.pan("left", 0), "x is 'left'"),
+    (lambda view: Camera((0, 0, 0), (0, 0, 0), UP), "position - target"),
+    (lambda view: Camera((0, 0, np.inf), (0, 0, 0), UP), "position is"),
+    (lambda view: Camera((0, 0, 3), (0, 0, 1), UP), "up is .* along which the camera looks"),
+    (lambda view: viewer.render(*mesh_of(view), None), "camera is None; give a"),
+    (lambda view: viewer.render(*mesh_of(view), view.camera, size=(0, 1)), "from 1 to 8192"),
+    (lambda view: viewer.render(*mesh_of(view), view.camera, quality=9), "quality is 9"),
+    (lambda view: viewer.render(*mesh_of(view), view.camera, edges=None), "edges is None"),
+])  # fmt: skip
+def test_nor_are_those_of_methods(torus, use, message):
+    view = View(*torus, backend="k3d")
+    before = view.panels[0], view.titles[0], view.label, view.limits
+    with pytest.raises(ValueError, match=message):
+        use(view)
+    assert (view.panels[0], view.titles[0], view.label, view.limits) == before
+
+
+# Stills of any shape
+
+
+def drawn(picture):
+    """The box around what is not white: left, top, right, bottom, as parts of the picture."""
+    rows, columns = np.nonzero(np.any(np.asarray(picture) < 250, axis=2))
+    size = np.array(picture.size * 2)
+    return np.array([columns.min(), rows.min(), columns.max() + 1, rows.max() + 1]) / size
+
+
+@pytest.mark.parametrize("size", [(400, 400), (1000, 120), (120, 600), (100, 100)])
+@pytest.mark.parametrize("direction", [(1, -1, 0.6), (0, 0, 1)])
+def test_a_still_of_any_shape_shows_all_of_a_long_bar(size, direction):
+    view = View(*shapes.box((10, 1, 1)), direction=direction, backend="k3d")
+    left, top, right, bottom = drawn(view.still(size, background="white"))
+    assert min(left, top) > 0
+    assert max(right, bottom) < 1
+    assert max(right - left, bottom - top) > 0.85  # and fills it
+
+
+def test_a_still_from_a_camera_that_was_moved_shows_what_the_view_does():
+    view = View(*shapes.box((10, 1, 1)), backend="k3d")
+    view.camera = view.camera.orbit(0.4, 0, UP)
+    left, _, right, _ = drawn(view.still((200, 400), background="white"))
+    assert 0 < left < right < 1
+
+
+def test_a_still_with_bar_and_titles_is_refused_where_nothing_is_left(torus):
+    view = View([torus[0]] * 6, torus[1], titles="x", backend="k3d")
+    with pytest.raises(ValueError, match="leaves 16 x 72 pixels for each of 6 panels"):
+        view.still((100, 100))
+
+
+def test_long_titles_are_cut_and_not_laid_over_each_other(torus):
+    view = View([torus[0]] * 2, torus[1], titles="m" * 300, backend="k3d")
+    picture = np.asarray(view.still((300, 200), background="white"))
+    middle = picture[: viewer.stills.TITLE, 147:153]
+    assert np.all(middle > 250)
+
+
+# Values that are none
+
+
+@needs_egl
+@pytest.mark.parametrize("on", ["vertices", "faces"])
+def test_a_value_that_is_none_takes_no_other_colours(on):
+    V, F = shapes.icosphere(3)
+    camera = Camera.around(V, (0, 0, 1))
+    values = V[:, 0].copy() if on == "vertices" else V[F].mean(axis=1)[:, 0]
+    plain = viewer.render(V, F, camera, size=(90, 90), values=values)
+    values[np.argmin(V[:, 2]) if on == "vertices" else np.argmin(V[F].mean(axis=1)[:, 2])] = np.nan
+    # At the back: nothing changes. (Colours are mixed in the picture's own way.)
+    assert differing(plain, viewer.render(V, F, camera, size=(90, 90), values=values)) < 0.35
+    values[:] = np.nan
+    grey = viewer.render(V, F, camera, size=(90, 90), values=values)[45, 45, :3]
+    assert np.ptp(grey.astype(int)) < 12
+    assert np.ptp(plain[45, 45, :3].astype(int)) > 40
+
+
+def test_k3d_has_a_grey_of_its_own_below_the_scale(torus):
+    V, F = torus
+    values = V[:, 0].copy()
+    values[5] = np.inf
+    view = View(V, F, values=values, backend="k3d")
+    (mesh,) = view._backend._meshes
+    low, high = mesh.color_range
+    assert mesh.attribute[5] == np.float32(low)
+    assert (np.delete(mesh.attribute, 5) >= 0).all()
+    colours = mesh.color_map.reshape(-1, 4)
+    np.testing.assert_allclose(colours[0], [0, *NONE], rtol=1e-6)
+    at_zero = np.interp((0 - low) / (high - low), colours[:, 0], colours[:, 1])
+    assert at_zero == pytest.approx(view.scale.colormap(0.0)[0], abs=1e-3)
+    assert np.all(np.diff(colours[:, 0]) >= 0)
+
+
+@needs_egl
+def test_the_page_gets_a_bar_of_numbers_whatever_the_values_are(torus):
+    values = torus[0][:, 2].copy()
+    values[7] = np.nan
+    page = Page(View(*torus, values=values))
+    message, _ = page.wait_for(lambda m: m.get("number") == 1)
+    assert float(message["bar"]["low"]) == pytest.approx(np.nanmin(values))
+    assert float(message["bar"]["high"]) == pytest.approx(np.nanmax(values))
+
+
+# A driver that hangs
+
+
+def test_a_driver_that_hangs_is_waited_for_once_and_told_once(torus, monkeypatch):
+    tried = []
+
+    class Hanging:
+        def __init__(self, command, **streams):
+            tried.append(command)
+
+        def wait(self, timeout):
+            raise subprocess.TimeoutExpired("python", timeout)
+
+        def kill(self):
+            tried.append("killed")
+
+    for cached in (egl._trial, egl._warn_of_hanging):
+        cached.cache_clear()
+        monkeypatch.setattr(egl, cached.__name__, cached)
+    monkeypatch.setattr(egl.subprocess, "Popen", Hanging)
+    try:
+        with pytest.warns(UserWarning, match="the graphics driver did not answer within 60 s"):
+            view = View(*torus)
+        assert type(view._backend).__name__ == "InPage"
+        View(*torus)  # a second warning would be an error
+        assert not viewer.has_egl()
+        assert [type(what) for what in tried] == [list, str]
+    finally:
+        for cached in (egl._trial, egl._warn_of_hanging):
+            cached.cache_clear()
+
+
+def test_without_a_process_of_its_own_there_is_no_egl(monkeypatch):
+    def refuse(*arguments, **streams):
+        raise OSError("no more processes")
+
+    monkeypatch.setattr(egl.subprocess, "Popen", refuse)
+    assert egl._trial.__wrapped__() is False
 
 
 # Colourings
@@ -228,8 +584,6 @@ def test_a_view_refuses_what_does_not_fit(torus):
         View(V, F, backend="vtk")
     with pytest.raises(ValueError, match="cmap is 'Reds'; give one of viridis"):
         View(V, F, cmap="Reds", backend="k3d")
-    with pytest.raises(ValueError, match=r"up is .* parallel to direction"):
-        View(V, F, up=(0, 0, 1), direction=(0, 0, -2), backend="k3d")
     view = View(V, F, backend="k3d")
     with pytest.raises(ValueError, match="panel is -1; give one of 0"):
         view.update(V, panel=-1)
@@ -244,7 +598,7 @@ def test_still_and_display_data(torus):
     assert view.still((600, 200)).size == (600, 200)
     data, _ = view._repr_mimebundle_()
     assert "application/vnd.jupyter.widget-view+json" in data
-    assert Image.open(io.BytesIO(data["image/png"])).size == viewer.view.STILL
+    assert Image.open(io.BytesIO(data["image/png"])).size == viewer.stills.STILL
 
 
 def test_look_at_moves_the_reset_view(torus):
@@ -396,31 +750,33 @@ def test_a_frame_has_the_colour_bar_of_its_values(torus):
     page = Page(view)
     message, _ = page.wait_for(lambda m: m.get("number") == 1)
     assert message["bar"]["label"] == "height (units)"
-    assert message["bar"]["high"] == pytest.approx(V[:, 2].max())
+    assert float(message["bar"]["high"]) == pytest.approx(V[:, 2].max())
     assert len(message["bar"]["stops"]) == 17
     view.color_by("other", limits=(0, 1))
-    page.wait_for(lambda m: m["bar"]["label"] == "other" and m["bar"]["high"] == 1)
+    page.wait_for(lambda m: m["bar"]["label"] == "other" and m["bar"]["low"] == "≤ 0")
     view.update()
     page.wait_for(lambda m: m["bar"] is None)
 
 
 def test_k3d_shows_the_same_meshes_where_there_is_no_egl(torus, monkeypatch):
     V, F = torus
-    monkeypatch.setattr(viewer.view, "has_egl", lambda: False)
+    monkeypatch.setattr(viewer.live, "has_egl", lambda: False)
     view = View([V, V], F, titles=["<a>", "b"], values=[None, V[:, 0]])
     first, second = view._backend._meshes
-    np.testing.assert_allclose(first.vertices, V, rtol=1e-6)
+    centre, size = view._placement.centre, view._placement.size
+    np.testing.assert_allclose(first.vertices * size + centre, V, atol=1e-6)
     assert len(second.attribute) == len(V)
     assert view._backend._titles[0].value == "&lt;a&gt;"
     assert "linear-gradient" in view._backend._bar.value
     view.update(2 * V, values=np.arange(len(F)), title="c")
-    np.testing.assert_allclose(first.vertices, 2 * V, rtol=1e-6)
+    np.testing.assert_allclose(first.vertices * size + centre, 2 * V, atol=1e-6)
     assert len(first.triangles_attribute) == len(F)
     sphere = shapes.icosphere(1)
     view.update(sphere[0], F=sphere[1])
     assert len(view._backend._meshes[0].vertices) == len(sphere[0])
     view.look_at(V[:12])
-    np.testing.assert_allclose(view._backend._plots[1].camera[:3], view.camera.position)
+    seen = np.array(view._backend._plots[1].camera[:3]) * view._placement.size
+    np.testing.assert_allclose(seen + view._placement.centre, view.camera.position)
 
 
 # What is missing
@@ -557,7 +913,15 @@ def test_the_window_gets_the_mesh_and_its_values(torus, monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "polyscope", Recorder("polyscope"))
     window._main(command[3])
     named = dict(calls)
-    np.testing.assert_array_equal(named["register_surface_mesh"][1], torus[0])
+    placement = Placement.of([Panel(*torus)])
+    placed = named["register_surface_mesh"][1] * placement.size + placement.centre
+    np.testing.assert_allclose(placed, torus[0], atol=1e-12)
     np.testing.assert_array_equal(named["add_scalar_quantity"][1], torus[0][:, 0])
     assert calls[-1] == ("show", ())
     assert list(tmp_path.iterdir()) == []
+
+    values = torus[0][:, 0].copy()
+    values[3] = np.nan
+    viewer.show(*torus, values=values)
+    window._main(started[1][3])
+    np.testing.assert_array_equal(dict(calls)["add_color_quantity"][1][3], NONE)

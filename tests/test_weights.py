@@ -55,7 +55,7 @@ def test_an_obtuse_pair_has_a_negative_weight():
     assert W[0, 1] == pytest.approx(-0.75)
 
 
-def test_a_repeated_face_counts_once():
+def test_duplicate_faces_count_once():
     V, F = fan(2)
     for build in BUILDERS.values():
         once, twice = build(V, F), build(V, np.concatenate([F, F[:, [1, 0, 2]]]))
@@ -90,7 +90,7 @@ def test_equal_to_libigl(build, rng):
 @pytest.mark.parametrize("name", ["f16.ply", "stanford-bunny.obj", "KnotMesh.ply"])
 def test_equal_to_libigl_on_real_meshes(mirror, name):
     V, F = igl.read_triangle_mesh(str(mirror / name))
-    F = mesh.unique_faces(F)  # libigl counts a repeated face twice
+    F = mesh.unique_faces(F)  # libigl counts duplicate faces twice
     W, libigl = weights.cotangent(V, F), reference.cotangent(V, F)
     assert abs(W - libigl).max() <= 1e-10 * abs(libigl).max()
     assert abs(weights.combinatorial(F, len(V)) - reference.adjacency(F, len(V))).max() == 0

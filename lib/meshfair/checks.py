@@ -9,9 +9,12 @@ Conventions of the whole package:
 
 from __future__ import annotations
 
+import sys
+import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from numbers import Integral
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -25,18 +28,28 @@ Integers = NDArray[np.int64]
 Booleans = NDArray[np.bool_]
 Choice = TypeVar("Choice")
 
+PACKAGE = str(Path(__file__).parent)
 # Products of four coordinates (areas squared) must stay finite in float64.
 LARGEST_COORDINATE = 1e75
 # A triangle is degenerate when its height over its longest edge is this small
 # a part of that edge: below it, rounding decides the normal and the cotangents.
 DEGENERATE = 1e-12
+# Or when it is this small a part of the largest coordinate: three points on a line, each
+# rounded to float64, make a triangle that high (sqrt(3) eps at most) wherever the mesh lies.
+ROUNDED = 4 * float(np.finfo(np.float64).eps)
+
+# Vectors cancel where their sum is this small a part of the sum of their lengths: what is left
+# is the rounding of a few thousand terms, which has no direction.
+CANCELLED = 1e-12
 
 EXTRAS = {
     "viewer": {"PIL", "matplotlib", "polyscope", "polyscope_bindings"},
     "notebooks": {"anywidget", "ipywidgets", "k3d", "traitlets"},
     "data": {"pooch"},
+    "formats": {"collada", "lxml", "mapbox_earcut", "meshio", "networkx", "trimesh"},
     "experiments": {"pandas", "tqdm"},
-    "grading": {"jinja2", "jupytext", "markupsafe", "nbformat"},
+    "cluster": {"dask", "distributed"},
+    "grading": {"jinja2", "jupytext", "markupsafe", "nbformat", "psutil"},
 }
 """Modules that are imported for some uses alone, by the extra that installs them."""
 
@@ -51,6 +64,20 @@ class MeshWarning(UserWarning):
 
 class StabilityWarning(UserWarning):
     """A time step past the bound up to which the flow is stable."""
+
+
+def warn(message: str, category: type[Warning] = MeshWarning) -> None:
+    """Warn, and name the line that called the package, whatever lies between.
+
+    Parameters
+    ----------
+    message : str
+    category : type of Warning
+    """
+    level, frame = 1, sys._getframe(0)
+    while frame.f_back and frame.f_code.co_filename.startswith(PACKAGE):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(message, category, stacklevel=level)
 
 
 class NotInstalledError(ModuleNotFoundError):
@@ -207,7 +234,7 @@ def check_number(
     name : str
         What the message calls it.
     low, high : float
-        The bounds, themselves allowed.
+        The bounds, themselves allowed where they are finite.
     open_low : bool
         Whether the lower bound itself is refused.
 
@@ -223,6 +250,8 @@ def check_number(
     """
     wanted = f"a number {'above' if open_low else 'of at least'} {low:g}"
     wanted += "" if high == np.inf else f" and at most {high:g}"
+    if (low, high) == (-np.inf, np.inf):
+        wanted = "a finite number"
     try:
         number = float(value)
     except (TypeError, ValueError):
@@ -272,7 +301,7 @@ def check_choice(value: Choice, name: str, choices: Iterable[Choice]) -> Choice:
     Returns
     -------
     object
-        ``value``.
+        The choice that is equal to ``value``.
 
     Raises
     ------
@@ -280,13 +309,117 @@ def check_choice(value: Choice, name: str, choices: Iterable[Choice]) -> Choice:
         None of the choices; the message lists them.
     """
     choices = list(choices)
-    if not any(value is choice or value == choice for choice in choices):
-        listed = ", ".join(str(choice) for choice in choices)
-        raise ValueError(f"{name} is {value!r}; give one of {listed}")
-    return value
+    for choice in choices:
+        try:
+            if value is choice or value == choice:
+                return choice
+        except ValueError:  # an array, which is equal to nothing as a whole
+            break
+    listed = ", ".join(str(choice) for choice in choices)
+    raise ValueError(f"{name} is {value!r}; give one of {listed}{did_you_mean(value, choices)}")
 
 
-def check_values(values: ArrayLike, n: int, m: int, name: str = "values") -> Floats:
+def did_you_mean(word: Any, known: Iterable[Any]) -> str:
+    """A part of a message: which of the known words was meant, if one is close.
+
+    Parameters
+    ----------
+    word : object
+    known : iterable
+
+    Returns
+    -------
+    str
+        " (did you mean 'taubin'?)", or nothing.
+    """
+    from difflib import get_close_matches  # for an error alone
+
+    names = {other.lower(): other for other in known if isinstance(other, str)}
+    close = get_close_matches(word.lower(), names, n=1) if isinstance(word, str) else []
+    return f" (did you mean {names[close[0]]!r}?)" if close else ""
+
+
+def check_text(text: Any, name: str) -> str:
+    """Validate a text.
+
+    Parameters
+    ----------
+    text : object
+    name : str
+        What the message calls it.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    ValueError
+        Anything but a str.
+    """
+    if not isinstance(text, str):
+        raise ValueError(f"{name} is {text!r}; give a text")
+    return str(text)
+
+
+def check_flag(flag: Any, name: str) -> bool:
+    """Validate a yes or no.
+
+    Parameters
+    ----------
+    flag : object
+    name : str
+        What the message calls it.
+
+    Returns
+    -------
+    bool
+
+    Raises
+    ------
+    ValueError
+        Neither True nor False.
+    """
+    if not isinstance(flag, (bool, np.bool_)):
+        raise ValueError(f"{name} is {flag!r}; give True or False")
+    return bool(flag)
+
+
+def check_size(size: Any, name: str, low: int, high: int) -> tuple[int, int]:
+    """Validate a picture's width and height.
+
+    Parameters
+    ----------
+    size : object
+    name : str
+        What the message calls it.
+    low, high : int
+        The least and the most pixels of either.
+
+    Returns
+    -------
+    (int, int)
+
+    Raises
+    ------
+    ValueError
+        Not two whole numbers, or outside of [low, high].
+    """
+    try:
+        width, height = (check_count(pixels, name) for pixels in size)
+    except (TypeError, ValueError):
+        width = height = -1
+    if not (low <= width <= high and low <= height <= high):
+        raise ValueError(
+            f"{name} is {size!r}; give width and height as two whole numbers of pixels from "
+            f"{low} to {high}"
+        )
+    return width, height
+
+
+def check_values(
+    values: ArrayLike, n: int, m: int, name: str = "values", *, finite: bool = True
+) -> Floats:
     """Validate one number for each vertex, or for each face.
 
     Parameters
@@ -296,6 +429,8 @@ def check_values(values: ArrayLike, n: int, m: int, name: str = "values") -> Flo
         Number of vertices, and of faces.
     name : str
         What the message calls them.
+    finite : bool
+        Whether NaN and infinite values are refused.
 
     Returns
     -------
@@ -316,7 +451,7 @@ def check_values(values: ArrayLike, n: int, m: int, name: str = "values") -> Flo
         raise MeshError(f"{name} holds values of type {array.dtype}; {wanted}")
     if array.shape not in ((n,), (m,)):
         raise MeshError(f"{name} has shape {array.shape}; {wanted}")
-    if not np.isfinite(array).all():
+    if finite and not np.isfinite(array).all():
         row = np.flatnonzero(~np.isfinite(array))[0]
         raise MeshError(f"{name}: number {row} is {array[row]}; give finite numbers")
     return array.astype(np.float64)
@@ -340,13 +475,21 @@ def check_range(limits: Any, name: str) -> tuple[float, float]:
     ValueError
         Not two finite numbers, the smaller one first.
     """
-    try:
-        low, high = (float(end) for end in limits)
-    except (TypeError, ValueError):
-        low, high = np.inf, -np.inf
-    if not (np.isfinite([low, high]).all() and low <= high):
+    ends = _few_numbers(limits, 2)
+    if ends is None or ends[0] > ends[1]:
         raise ValueError(f"{name} is {limits!r}; give two numbers, the smaller one first")
-    return low, high
+    return float(ends[0]), float(ends[1])
+
+
+def _few_numbers(given: Any, count: int) -> Floats | None:
+    """So many finite numbers; None for anything else."""
+    try:
+        array = np.asarray(given)
+    except ValueError:
+        return None
+    if array.dtype.kind not in "iuf" or array.shape != (count,) or not np.isfinite(array).all():
+        return None
+    return array.astype(np.float64)
 
 
 def check_direction(direction: Any, name: str) -> Floats:
@@ -368,14 +511,36 @@ def check_direction(direction: Any, name: str) -> Floats:
     ValueError
         Not three finite numbers, or all of them zero.
     """
-    try:
-        vector = np.array(direction, dtype=np.float64)
-    except (TypeError, ValueError):
-        vector = np.zeros(0)
-    length = np.linalg.norm(vector)
-    if vector.shape != (3,) or not np.isfinite(length) or length == 0:
+    vector = _few_numbers(direction, 3)
+    if vector is None or not vector.any():
         raise ValueError(f"{name} is {direction!r}; give three numbers that are not all zero")
-    return vector / length
+    vector /= np.abs(vector).max()  # so that no square overflows, or vanishes
+    return vector / np.linalg.norm(vector)
+
+
+def check_point(point: Any, name: str) -> tuple[float, float, float]:
+    """Validate a point in space.
+
+    Parameters
+    ----------
+    point : object
+    name : str
+        What the message calls it.
+
+    Returns
+    -------
+    (float, float, float)
+
+    Raises
+    ------
+    ValueError
+        Not three finite numbers.
+    """
+    vector = _few_numbers(point, 3)
+    if vector is None:
+        raise ValueError(f"{name} is {point!r}; give three finite numbers")
+    a, b, c = vector.tolist()
+    return a, b, c
 
 
 def check_rng(rng: Any) -> np.random.Generator:
@@ -537,5 +702,14 @@ def needed_for(purpose: str) -> Iterator[None]:
 
 
 def install(extra: str) -> str:
-    """The command that installs the libraries of an extra."""
+    """The command that installs the libraries of an extra.
+
+    Parameters
+    ----------
+    extra : str
+
+    Returns
+    -------
+    str
+    """
     return f'pip install "meshfair[{extra}]"'

@@ -5,9 +5,10 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import wraps
 from itertools import product
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,11 +19,17 @@ from meshfair.checks import (
     Integers,
     check_choice,
     check_mesh,
+    check_number,
     check_same_vertices,
+    did_you_mean,
     needed_for,
+    warn,
 )
 from meshfair.filters.feature_convinced import fill_in, noise_by_lengths
+from meshfair.filters.preparation import Prepared
+from meshfair.mesh.objects import arrays, is_object, moved, takes_meshes
 from meshfair.metrics import normal_angle, snr
+from meshfair.solve import SolveError
 from meshfair.sure import SURE, noise_by_differences
 
 if TYPE_CHECKING:
@@ -51,6 +58,9 @@ class Denoised(NamedTuple):
     """Time taken."""
     finished: bool
     """False where the callback has cancelled it: V is what was reached until then."""
+    mesh: Any = None
+    """Where a mesh object of another library was given (see `meshfair.mesh.arrays`): a copy
+    of it with the positions V."""
 
 
 @dataclass(frozen=True)
@@ -68,6 +78,10 @@ class Method:
     fill_in: Callable[[Floats, Integers, Parameters], Parameters] | None = None
     """``fill_in(V, F, parameters)``: the parameters with those that are None chosen from
     the mesh; None where there are none of that kind."""
+    noise: str | None = None
+    """The parameter that takes the noise's size, if there is one."""
+    normals: bool = True
+    """Whether it uses normals, so that faces have to be turned consistently."""
 
     def stopped(self, parameters: Parameters, k: int) -> Parameters:
         """The parameters with which it ends where it now yields its k-th new positions."""
@@ -89,11 +103,11 @@ def _grid(**values: Sequence[Any]) -> list[Parameters]:
 _STRENGTHS = (0.0, 0.0625, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 
 _METHODS: dict[str, Method] = {
-    "averaging": Method(filters.averaging, [{"iterations": 30}], "iterations"),
-    "heat": Method(filters.heat, [{"time": 20.0}], _heat_until),
-    "implicit": Method(filters.implicit, _grid(step=_STRENGTHS)),
-    "regularised": Method(filters.regularised, _grid(order=(1, 2), lam=_STRENGTHS)),
-    "taubin": Method(filters.taubin, [{"iterations": 60}], "iterations"),
+    "averaging": Method(filters.averaging, [{"iterations": 30}], "iterations", normals=False),
+    "heat": Method(filters.heat, [{"time": 20.0}], _heat_until, normals=False),
+    "implicit": Method(filters.implicit, _grid(step=_STRENGTHS), normals=False),
+    "regularised": Method(filters.regularised, _grid(order=(1, 2), lam=_STRENGTHS), normals=False),
+    "taubin": Method(filters.taubin, [{"iterations": 60}], "iterations", normals=False),
     "bilateral": Method(filters.bilateral, [{"iterations": 20}], "iterations"),
     "sun": Method(
         filters.sun,
@@ -106,14 +120,17 @@ _METHODS: dict[str, Method] = {
         "vertex_iterations",
     ),
     "guided-normal": Method(filters.guided_normal, _grid(sigma_normal=(0.35, 0.5)), "iterations"),
-    "l0": Method(filters.l0, _grid(lam=(0.05, 0.2))),
+    "l0": Method(filters.l0, _grid(lam=(0.05, 0.2)), normals=False),
     "feature-convinced": Method(
         filters.feature_convinced,
         _grid(vertex_iterations=(1, 2), sigma_normal=(0.25, 0.35, 0.5)),
         "iterations",
         fill_in,
+        "noise",
     ),
 }
+DEFAULT = "feature-convinced"
+"""The method of `denoise` where none is named."""
 
 
 def register(
@@ -122,6 +139,7 @@ def register(
     candidates: Iterable[Parameters] = ({},),
     count: str | Callable[[Parameters, int], Parameters] | None = None,
     fill_in: Callable[[Floats, Integers, Parameters], Parameters] | None = None,
+    noise: str | None = None,
 ) -> Callable[[Callable[..., States]], Callable[..., States]]:
     """Make a filter known to `denoise` by a name; a decorator.
 
@@ -148,6 +166,8 @@ def register(
     fill_in : function, optional
         From V, F and parameters (a dict) to the parameters with those that are None
         chosen from the mesh, so that a result can name what was used.
+    noise : str, optional
+        The parameter that takes the size of the noise, which ``sigma`` of `denoise` is.
 
     Returns
     -------
@@ -157,7 +177,7 @@ def register(
     """
 
     def add(function: Callable[..., States]) -> Callable[..., States]:
-        _METHODS[name] = Method(function, list(candidates), count, fill_in)
+        _METHODS[name] = Method(function, list(candidates), count, fill_in, noise)
         return function
 
     return add
@@ -193,10 +213,29 @@ def defaults(method: str) -> Parameters:
     return {name: p.default for name, p in signature.parameters.items() if name not in ("V", "F")}
 
 
+Function = TypeVar("Function", bound=Callable[..., Denoised])
+
+
+def _gives_mesh(function: Function) -> Function:
+    """Decorate a function of V and F that also takes a mesh object, and gives back its kind."""
+
+    @wraps(function)
+    def unpacked(V: Any, *args: Any, **kwargs: Any) -> Denoised:
+        if is_object(kwargs.get("ground_truth")):
+            kwargs["ground_truth"], _ = arrays(kwargs["ground_truth"])
+        if not is_object(V):
+            return function(V, *args, **kwargs)
+        result = takes_meshes(function)(V, *args, **kwargs)
+        return result._replace(mesh=moved(V, result.V))
+
+    return cast(Function, unpacked)
+
+
+@_gives_mesh
 def denoise(
     V: ArrayLike,
     F: ArrayLike,
-    method: str = "feature-convinced",
+    method: str = DEFAULT,
     *,
     parameters: str = "default",
     sigma: float | None = None,
@@ -212,6 +251,7 @@ def denoise(
     V : array_like, shape (n, 3)
         Noisy positions.
     F : array_like of integers, shape (m, 3)
+        A mesh object of another library may stand for V and F, see `meshfair.mesh.arrays`.
     method : str
         One of `methods`.
     parameters : {"default", "auto"}
@@ -221,8 +261,9 @@ def denoise(
         estimate, see `meshfair.sure.SURE`); that may be the noisy mesh. A number of
         iterations that is given is then the most that are made.
     sigma : float, optional
-        For "auto": the noise's standard deviation, as a fraction of the mean edge
-        length, if it is known; else `estimate_noise` estimates it by differences.
+        The noise's standard deviation, as a fraction of the mean edge length, if it is
+        known. "auto" needs it, and estimates it by differences (see `estimate_noise`)
+        where it is not given; of the methods, feature-convinced uses it (its ``noise``).
     rng : numpy.random.Generator, optional
         For "auto": draws the estimate's probe; if none is given, the same one each time.
     ground_truth : array_like, shape (n, 3), optional
@@ -237,27 +278,50 @@ def denoise(
     Returns
     -------
     Denoised
-        V, method, parameters, history, sure, seconds, finished.
+        V, method, parameters, history, sure, seconds, finished, mesh.
 
     Raises
     ------
-    MeshError, ValueError
+    MeshError, ValueError, TypeError
         No mesh; no such method or parameter (the message lists those there
-        are); a parameter outside its range.
+        are); a parameter outside its range; ``sigma`` for a method that does not
+        use it; a callback that is no function.
+
+    Warns
+    -----
+    MeshWarning
+        Copies of vertices along seams, which are joined for the work; faces turned against
+        their neighbours', where that matters; candidates of "auto" that cannot be solved.
     """
     V, F = check_mesh(V, F)
     if ground_truth is not None:
         V, ground_truth = check_same_vertices(V, ground_truth, ("V", "ground_truth"))
         _table(())  # needs pandas: to be said before the work, not after it
-    check_choice(parameters, "parameters", ("default", "auto"))
-    run = _Run(V, F, method, chosen, ground_truth, callback)
-    if parameters == "default":
-        return run.ended(run.states(V, run.filled_in(run.known | run.chosen), run.report))
+    auto = check_choice(parameters, "parameters", ("default", "auto")) == "auto"
+    if sigma is not None:
+        chosen = _with_noise(method, chosen, check_number(sigma, "sigma", 0), auto)
+    run = _Run(V, F, method, chosen, ground_truth, callback, normals=auto)
+    if not auto:
+        return run.ended(run.states(run.V, run.filled_in(run.known | run.chosen), run.report))
     # A generator of its own for each call: the same call gives the same mesh.
-    sure = SURE(V, F, np.random.default_rng(0) if rng is None else rng, sigma)
-    return run.ended(run.better_states((V, sure.V_perturbed), sure))
+    sure = SURE(run.V, run.F, np.random.default_rng(0) if rng is None else rng, sigma)
+    return run.ended(run.better_states((run.V, sure.V_perturbed), sure))
 
 
+def _with_noise(method: str, chosen: Parameters, sigma: float, auto: bool) -> Parameters:
+    """The chosen parameters, with the known noise where the method uses it."""
+    noise = _find(method).noise
+    if noise:
+        return {noise: sigma} | chosen
+    if auto:
+        return chosen
+    raise ValueError(
+        f"sigma is given, but {method} with default parameters does not use it; leave it out, "
+        'or let parameters="auto" choose'
+    )
+
+
+@_gives_mesh
 def tune(
     V: ArrayLike,
     F: ArrayLike,
@@ -282,10 +346,14 @@ def tune(
     V, F = check_mesh(V, F)
     V, ground_truth = check_same_vertices(V, ground_truth, ("V", "ground_truth"))
     run = _Run(V, F, method, chosen, ground_truth, callback)
-    result = run.ended(run.better_states((V,), lambda X: normal_angle(X, ground_truth, F)))
-    return result._replace(sure=None)
+
+    def score(X: Floats) -> float:
+        return normal_angle(run.ready.restored(X), ground_truth, F)
+
+    return run.ended(run.better_states((run.V,), score))._replace(sure=None)
 
 
+@takes_meshes
 def estimate_noise(V: ArrayLike, F: ArrayLike, by: str = "lengths") -> float:
     """The size of the noise on a mesh, estimated without the ground truth.
 
@@ -346,16 +414,28 @@ class _Run:
         chosen: Parameters,
         ground_truth: Floats | None,
         callback: Callable[[float], Any] | None,
+        *,
+        normals: bool = False,
     ) -> None:
         self.start = perf_counter()
-        self.V, self.F, self.name, self.method = V, F, method, _find(method)
-        self.ground_truth, self.callback = ground_truth, callback
-        self.known, self.chosen = defaults(method), chosen
+        self.name, self.method = method, _find(method)
+        self.known = defaults(method)
         for name in chosen:
             if name not in self.known:
                 raise ValueError(
                     f"{method} has no parameter {name!r}; it has {', '.join(self.known)}"
+                    f"{did_you_mean(name, self.known)}"
                 )
+        if callback is not None and not callable(callback):
+            raise TypeError(f"callback is {callback!r}; give a function of one number, 0 to 1")
+        self.callback = callback
+        # What is measured is the mesh that was given; what is worked on is this one.
+        self.given_F, self.ground_truth, self.given = F, ground_truth, chosen
+        self.ready = Prepared(V, F, normals=normals or self.method.normals)
+        self.V, self.F = self.ready.V, self.ready.F
+        self.chosen = chosen
+        if chosen.get("fixed") is not None:
+            self.chosen = chosen | {"fixed": self.ready.fixed(chosen["fixed"])}
 
     def filled_in(self, parameters: Parameters) -> Parameters:
         """The parameters with those that are None chosen from the mesh."""
@@ -399,6 +479,7 @@ class _Run:
             if not any(_same(parameters, trial) for trial in trials):
                 trials.append(parameters)
         least = np.inf
+        failed: list[tuple[Parameters, Exception]] = []
         yield _State(self.V.copy(), trials[0], self._measured(self.V), least)
         for number, parameters in enumerate(trials):
 
@@ -407,11 +488,18 @@ class _Run:
 
             reports = [report, *[None] * (len(meshes) - 1)]
             runs = [self._results(V, parameters, r) for V, r in zip(meshes, reports, strict=True)]
-            for states in zip(*runs, strict=True):
-                found = score(*(state.V for state in states))
-                if found < least:
-                    least = found
-                    yield states[0]._replace(score=found)
+            try:
+                for states in zip(*runs, strict=True):
+                    found = score(*(state.V for state in states))
+                    if found < least:
+                        least = found
+                        yield states[0]._replace(score=found)
+            except SolveError as error:
+                failed.append((trials[number], error))
+        if len(failed) == len(trials):
+            raise failed[0][1]
+        if failed:
+            _warn_of_failed(failed, len(trials))
 
     def _results(
         self, V: Floats, parameters: Parameters, report: Callable[[float], None] | None
@@ -434,19 +522,36 @@ class _Run:
         history = None if self.ground_truth is None else _table(last.history)
         sure = None if last.score == np.inf else last.score  # cancelled before any was estimated
         seconds = perf_counter() - self.start
-        return Denoised(last.V, self.name, last.parameters, history, sure, seconds, finished)
+        V, parameters = self.ready.restored(last.V), last.parameters
+        if "fixed" in self.given:
+            parameters = parameters | {"fixed": self.given["fixed"]}
+        return Denoised(V, self.name, parameters, history, sure, seconds, finished)
 
     def _measured(self, V: Floats) -> tuple[tuple[float, float], ...]:
         """A row of the history, if there is a ground truth."""
         if self.ground_truth is None:
             return ()
-        return ((normal_angle(V, self.ground_truth, self.F), snr(self.ground_truth, V)),)
+        V = self.ready.restored(V)
+        return ((normal_angle(V, self.ground_truth, self.given_F), snr(self.ground_truth, V)),)
 
 
 def _find(method: str) -> Method:
     if method not in _METHODS:
-        raise ValueError(f"no method is called {method!r}; there are {', '.join(_METHODS)}")
+        raise ValueError(
+            f"no method is called {method!r}; there are {', '.join(_METHODS)}"
+            f"{did_you_mean(method, _METHODS)}"
+        )
     return _METHODS[method]
+
+
+def _warn_of_failed(failed: list[tuple[Parameters, Exception]], count: int) -> None:
+    """Say which candidates were left out, and why the first one was."""
+    parameters, error = failed[0]
+    first = ", ".join(f"{k}={v}" for k, v in parameters.items() if k != "fixed")
+    warn(
+        f"{len(failed)} of {count} candidates were left out, since they cannot be solved (the "
+        f"first: {first}: {error})"
+    )
 
 
 def _same(first: Parameters, second: Parameters) -> bool:

@@ -121,7 +121,7 @@ def heat(
         weights leave; the message names the bound.
     """
     V, build, A, tau, steps, fixed = _checked(V, A, tau, time, fixed)
-    warn_if_unstable(A, tau, stacklevel=3)
+    warn_if_unstable(A, tau)
     return _states(V, build, A, tau, steps, fixed)
 
 
@@ -168,7 +168,7 @@ def snr_curve(
     """
     V_true, V = check_same_vertices(V_true, V, ("V_true", "V"))
     V, build, A, tau, steps, fixed = _checked(V, A, tau, time, fixed)
-    warn_if_unstable(A, tau, stacklevel=3)
+    warn_if_unstable(A, tau)
     if build or not _fast.wanted(len(V)):
         return np.array([(t, snr(V_true, X)) for t, X in _states(V, build, A, tau, steps, fixed)])
     distances = np.empty(steps + 1)

@@ -23,7 +23,6 @@ References
 """
 
 import math
-import warnings
 from typing import NamedTuple
 
 import numpy as np
@@ -31,8 +30,16 @@ from numpy.typing import ArrayLike
 from scipy.sparse import coo_array, csr_array
 
 from meshfair import _fast
-from meshfair.checks import Floats, Integers, MeshError, MeshWarning, check_mesh, check_number
+from meshfair.checks import (
+    Floats,
+    Integers,
+    MeshError,
+    check_mesh,
+    check_number,
+    warn,
+)
 from meshfair.mesh import Edges, unique_faces
+from meshfair.mesh.objects import takes_meshes
 from meshfair.mesh.topology import topologically_degenerate
 
 # Angle sums are compared through their sine, which rounding moves by about 1e-15.
@@ -58,6 +65,7 @@ class Triangulation(NamedTuple):
     """How often the surface is covered: once or twice."""
 
 
+@takes_meshes
 def cotangent(V: ArrayLike, F: ArrayLike, *, mollify: float = 1e-6) -> csr_array:
     """Nonnegative cotangent weights, of the intrinsic Delaunay triangulation [BS07]_ [SC20]_.
 
@@ -139,11 +147,9 @@ def delaunay(V: ArrayLike, F: ArrayLike, *, mollify: float = 1e-6) -> Triangulat
         ended = flips.until_delaunay(most)
         tail, twin, length = (np.array(x) for x in (flips.tail, flips.twin, flips.length))
     if not ended:
-        warnings.warn(
+        warn(
             f"the intrinsic flips did not end after {MOST_FLIPS} for each edge; a larger mollify "
-            "makes thin triangles wider",
-            MeshWarning,
-            stacklevel=3,
+            "makes thin triangles wider"
         )
     return Triangulation(tail, twin, length, sheets)
 

@@ -2,7 +2,8 @@
 
 Every function returns new positions and leaves its input alone. A noise size
 ``sigma`` is a fraction of the mean edge length, so that it means the same on
-a mesh in metres and on one in millimetres.
+a mesh in metres and on one in millimetres. Copies of a vertex along a seam (see
+`meshfair.mesh.join`) move as one.
 """
 
 from collections.abc import Callable
@@ -12,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from meshfair.checks import (
     Floats,
+    Integers,
     MeshError,
     check_choice,
     check_mesh,
@@ -19,10 +21,15 @@ from meshfair.checks import (
     check_rng,
     check_same_vertices,
     check_vertices,
+    warn,
 )
 from meshfair.mesh import mean_edge_length, vertex_normals
+from meshfair.mesh.joining import on_joined
+from meshfair.mesh.objects import takes_meshes
 
 
+@takes_meshes
+@on_joined
 def along_normals(V: ArrayLike, F: ArrayLike, sigma: float, rng: np.random.Generator) -> Floats:
     """White noise along the vertex normals: the original report's noise model.
 
@@ -40,7 +47,8 @@ def along_normals(V: ArrayLike, F: ArrayLike, sigma: float, rng: np.random.Gener
     Returns
     -------
     ndarray of float64, shape (n, 3)
-        A vertex without faces has no normal and stays where it is.
+        A vertex without a normal stays where it is: one without faces, or one
+        whose faces' normals cancel, of which a `MeshWarning` tells.
 
     Raises
     ------
@@ -50,9 +58,24 @@ def along_normals(V: ArrayLike, F: ArrayLike, sigma: float, rng: np.random.Gener
     V, F = check_mesh(V, F)
     eps = check_number(sigma, "sigma", 0) * mean_edge_length(V, F)
     R = check_rng(rng).standard_normal((len(V), 1))
-    return V + eps * R * vertex_normals(V, F)
+    normals = vertex_normals(V, F)
+    _warn_of_cancelled(normals, F)
+    return V + eps * R * normals
 
 
+def _warn_of_cancelled(normals: Floats, F: Integers) -> None:
+    """Warn of vertices that have faces and no normal."""
+    cancelled = np.setdiff1d(F, np.flatnonzero(normals.any(axis=1)))
+    if len(cancelled):
+        warn(
+            f"the faces' normals cancel at {len(cancelled):,} vertices (the first is "
+            f"{cancelled[0]}), which noise leaves where they are; mesh.inspect says why, such as "
+            "faces that are turned against each other"
+        )
+
+
+@takes_meshes
+@on_joined
 def gaussian(V: ArrayLike, F: ArrayLike, sigma: float, rng: np.random.Generator) -> Floats:
     """Isotropic Gaussian noise: each coordinate moved by eps N(0, 1).
 
@@ -67,6 +90,7 @@ def gaussian(V: ArrayLike, F: ArrayLike, sigma: float, rng: np.random.Generator)
     return V + eps * check_rng(rng).standard_normal(V.shape)
 
 
+@takes_meshes
 def uniform(V: ArrayLike, amplitude: float, rng: np.random.Generator) -> Floats:
     """Each coordinate plus a uniform draw from [0, amplitude).
 
@@ -95,6 +119,8 @@ def uniform(V: ArrayLike, amplitude: float, rng: np.random.Generator) -> Floats:
     return V + amplitude * check_rng(rng).random(V.shape)
 
 
+@takes_meshes
+@on_joined
 def impulsive(
     V: ArrayLike, F: ArrayLike, sigma: float, fraction: float, rng: np.random.Generator
 ) -> Floats:
@@ -166,11 +192,12 @@ def at_snr(V: ArrayLike, displacement: ArrayLike, decibels: float) -> Floats:
 MODELS: dict[str, Callable[[Floats, ArrayLike, float, np.random.Generator], Floats]] = {
     "normals": along_normals,
     "gaussian": gaussian,
-    "uniform": lambda V, F, size, rng: uniform(V, size, rng),
+    "uniform": on_joined(lambda V, F, size, rng: uniform(V, size, rng)),
 }
 """The noise models of one size by name, as functions of V, F, the size and the generator."""
 
 
+@takes_meshes
 def add(
     V: ArrayLike,
     F: ArrayLike,

@@ -15,6 +15,7 @@ from meshfair.checks import Floats, MeshError, check_faces, check_mesh, check_sq
 from meshfair.mesh import boundary_edges
 from meshfair.mesh.elements import Triangles
 from meshfair.mesh.geometry import scatter
+from meshfair.mesh.objects import takes_meshes
 
 
 def degrees(W: sparray) -> Floats:
@@ -88,6 +89,7 @@ def laplacian(W: sparray) -> csr_array:
     return csr_array(diags_array(W.sum(axis=1)) - W)
 
 
+@takes_meshes
 def mass(V: ArrayLike, F: ArrayLike) -> csr_array:
     """The lumped mass matrix M: a third of the area of the faces at each vertex.
 

@@ -106,6 +106,27 @@ def coefficients(V: ArrayLike, W: sparray, Phi: Floats) -> Floats:
     return np.linalg.norm(Phi.T @ (degrees(W)[:, None] * check_vertices(V)), axis=1)
 
 
+def filtered(V: ArrayLike, W: sparray, Phi: Floats, factors: ArrayLike) -> Floats:
+    """A mesh with each of its eigenmodes multiplied by a factor: Phi diag(factors) Phi' D V.
+
+    Parameters
+    ----------
+    V : array_like, shape (n, 3)
+    W : sparse array, shape (n, n)
+    Phi : ndarray, shape (n, n)
+        From `eigenmodes` of the same weights.
+    factors : array_like, shape (n,)
+        A transfer function at the eigenvalues, in their order. 1 leaves an
+        eigenmode as it is, 0 takes it away.
+
+    Returns
+    -------
+    ndarray of float64, shape (n, 3)
+    """
+    factors = np.asarray(factors, dtype=float)[:, None]
+    return Phi @ (factors * (Phi.T @ (degrees(W)[:, None] * check_vertices(V))))
+
+
 def transfer_function(eigenvalues: ArrayLike, tau: float, iterations: int = 1) -> Floats:
     """The factor by which heat steps multiply each eigenmode: (1 - tau + tau lambda)^s.
 
@@ -122,6 +143,12 @@ def transfer_function(eigenvalues: ArrayLike, tau: float, iterations: int = 1) -
     -------
     ndarray of float64, of the same shape
         1 for what stays, 0 for what goes; a size above 1 grows.
+
+    Notes
+    -----
+    Other filters have theirs made of it. Taubin's is that of a step of lambda times that of a
+    step of mu < 0. An implicit step of length t, (D + t L) V+ = D V, undoes a step backwards:
+    1 / (1 + t - t lambda), one over the transfer function with tau = -t.
 
     Raises
     ------

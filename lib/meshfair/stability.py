@@ -1,12 +1,15 @@
 """The largest time step for which a flow stays bounded."""
 
-import warnings
-
 import numpy as np
 from scipy.sparse import csr_array, eye_array, sparray
 
 from meshfair import _fast
-from meshfair.checks import StabilityWarning, check_number, check_square
+from meshfair.checks import (
+    StabilityWarning,
+    check_number,
+    check_square,
+    warn,
+)
 
 # Below this size a dense eigenvalue problem is quicker and exact.
 DENSE = 100
@@ -111,7 +114,7 @@ def surely_stable(A: sparray, tau: float) -> bool:
     return False
 
 
-def warn_if_unstable(A: csr_array, tau: float, *, stacklevel: int = 2) -> None:
+def warn_if_unstable(A: csr_array, tau: float) -> None:
     """Warn of a time step with which the flow may grow; the message names the bound.
 
     Parameters
@@ -120,8 +123,6 @@ def warn_if_unstable(A: csr_array, tau: float, *, stacklevel: int = 2) -> None:
         Averaging or diffusion operator.
     tau : float
         Time step, not 0.
-    stacklevel : int
-        As in `warnings.warn`.
 
     Warns
     -----
@@ -137,9 +138,8 @@ def warn_if_unstable(A: csr_array, tau: float, *, stacklevel: int = 2) -> None:
         return
     advice = f"the bound on this mesh is tau = {bound:.3g}" if bound else "no step is stable"
     reason = "with negative weights" if 0 < tau <= 1 else "outside (0, 1]"
-    warnings.warn(
+    warn(
         f"tau = {tau:g} {reason}: the flow may grow instead of smoothing; {advice}, "
         "2 over the spectral radius of I - A",
         StabilityWarning,
-        stacklevel=stacklevel,
     )

@@ -24,6 +24,7 @@ from scipy.sparse import csr_array
 from meshfair import _fast
 from meshfair.checks import Floats, check_choice, check_vertices
 from meshfair.mesh.elements import Edges, Triangles, as_edges, warn_of_degenerate_faces
+from meshfair.mesh.objects import takes_meshes
 
 
 def combinatorial(F: ArrayLike | Edges, n: int) -> csr_array:
@@ -50,6 +51,7 @@ def combinatorial(F: ArrayLike | Edges, n: int) -> csr_array:
     return E.matrix(np.ones(len(E)))
 
 
+@takes_meshes
 def distance(V: ArrayLike, F: ArrayLike | Edges) -> csr_array:
     """Distance weights: w_ij = |v_i - v_j|.
 
@@ -78,6 +80,7 @@ def distance(V: ArrayLike, F: ArrayLike | Edges) -> csr_array:
     return E.matrix(np.linalg.norm(V[i] - V[j], axis=1))
 
 
+@takes_meshes
 def cotangent(V: ArrayLike, F: ArrayLike | Edges, *, negative: str = "keep") -> csr_array:
     """Cotangent weights: w_ij = (cot alpha_ij + cot beta_ij) / 2 [PP93]_.
 
@@ -89,7 +92,7 @@ def cotangent(V: ArrayLike, F: ArrayLike | Edges, *, negative: str = "keep") -> 
 
     A weight is negative where the two angles sum to more than 180 degrees.
     A boundary edge has its one angle; where more than two faces meet, all
-    are summed; a face that is stored twice counts once.
+    are summed; duplicate faces count once.
 
     Parameters
     ----------

@@ -17,10 +17,14 @@ in the teacher's process, send it meshes that the student has not seen.
 ``standin``     right functions in place of wrong ones, for the tasks after
 ``meshes``      the meshes that students have not seen
 ``protocol``    plain data between the two processes
-``isolation``   limits and namespaces of the other process
-``landlock``    which files it may read and write
+``walls``       what the other process sees: bubblewrap's walls around it
+``isolation``   starts it, with limits, and ends it
+``watch``       limits for all of its processes together
 ``child``       what runs inside
+``submissions`` what a class handed in, whatever it is called
 ``marking``     a whole class: in parallel, going on where it stopped
+``gradebook``   the results on the disk
+``printable``   texts that a student has a say in, made fit to be shown
 ``feedback``    the report as text, Markdown and HTML
 ``notebook``    pictures of a student's result
 ``generate``    ``python -m meshfair_grading.generate``

@@ -7,7 +7,11 @@ new or has changed.
 
 import argparse
 import sys
+from collections.abc import Callable
+from contextlib import ExitStack
+from functools import partial
 from importlib.util import find_spec
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,7 +20,7 @@ if TYPE_CHECKING:
     from meshfair_grading.source import Source
 
 # Beside what marks submissions: to read an instructor's file, to write feedback, to show progress.
-NEEDED = ("jupytext", "nbformat", "jinja2", "tqdm")
+NEEDED = ("jupytext", "nbformat", "jinja2", "packaging", "psutil", "tqdm")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -33,14 +37,58 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="STUDENT",
         help="print what was run and what came back for one student, and write nothing",
     )
-    parser.add_argument("--seed", type=int, help="of the unseen meshes (new each year)")
-    parser.add_argument("--jobs", type=int, default=2, help="submissions at a time (default 2)")
     parser.add_argument(
-        "--seconds", type=float, default=10.0, help="limit for each call of a function (default 10)"
+        "--force", action="store_true", help="write over files that this command did not make"
+    )
+    parser.add_argument("--seed", type=_whole(0), help="of the unseen meshes (new each year)")
+    parser.add_argument(
+        "--jobs", type=_whole(1), default=2, help="submissions at a time (default 2)"
     )
     parser.add_argument(
-        "--memory", type=float, default=2.0, help="limit in gigabytes (default 2)"
-    )  # fmt: skip
+        "--seconds",
+        type=_above_zero,
+        default=10.0,
+        help="limit for each call of a function (default 10)",
+    )
+    parser.add_argument(
+        "--memory", type=_above_zero, default=2.0, help="limit in gigabytes (default 2)"
+    )
+    parser.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="mark on the dask cluster of this scheduler, as many at a time as it has workers",
+    )
+    parser.add_argument(
+        "--without-walls",
+        action="store_true",
+        help="mark where bubblewrap does not work, too: for a machine that you can throw away",
+    )
+
+
+def _whole(least: int) -> Callable[[str], int]:
+    """The type of an option that is a whole number."""
+
+    def number(text: str) -> int:
+        try:
+            value = int(text)
+        except ValueError:
+            value = least - 1
+        if value < least:
+            raise argparse.ArgumentTypeError(f"{text!r}; give a whole number of at least {least}")
+        return value
+
+    return number
+
+
+def _above_zero(text: str) -> float:
+    """The type of an option that is a finite number above zero."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not (value > 0 and isfinite(value)):
+        raise argparse.ArgumentTypeError(f"{text!r}; give a number above 0")
+    return value
 
 
 def run(options: argparse.Namespace) -> int:
@@ -49,12 +97,13 @@ def run(options: argparse.Namespace) -> int:
     Returns
     -------
     int
-        0, whatever marks the submissions got.
+        0, whatever marks the submissions got; 1 where a cluster went away.
 
     Raises
     ------
-    ValueError
-        No such assignment, or no submissions.
+    ValueError, OSError
+        No such assignment, no submissions, or no walls; results that would be written over
+        somebody's files.
     NotInstalledError
         A library is missing.
     """
@@ -65,36 +114,56 @@ def run(options: argparse.Namespace) -> int:
     from tqdm import tqdm
 
     from meshfair_grading.isolation import Isolation, Limits
-    from meshfair_grading.marking import grade, handed_in
+    from meshfair_grading.marking import grade
     from meshfair_grading.overview import write_overview
     from meshfair_grading.source import Source
+    from meshfair_grading.submissions import handed_in
 
     source = Source.read(instructors_file(options.assignment))
-    isolation = Isolation.detect(
-        Limits(
-            call=options.seconds, total=6 * options.seconds, memory=round(options.memory * 1e9)
-        )
-    )  # fmt: skip
-    for line in isolation.describe():
-        print(line, file=sys.stderr)
-    if options.seed is None:
-        print(
-            f"seed: that of {source.path.name}, which students know; give --seed a number that "
-            "only you know, and note it for appeals",
-            file=sys.stderr,
-        )
-    if options.explain is not None:
-        print(_explained(options.explain, options.submissions, source, isolation, options.seed))
-        return 0
-    marks = grade(
-        options.submissions,
-        source,
-        options.out,
-        isolation,
-        seed=options.seed,
-        jobs=options.jobs,
-        progress=lambda marks, total: tqdm(marks, total=total, unit="student"),
+    limits = Limits(
+        call=options.seconds, total=6 * options.seconds, memory=round(options.memory * 1e9)
     )
+    with ExitStack() as stack:
+        elsewhere = None
+        if options.scheduler is None:
+            isolation = Isolation.detect(limits, without_walls=options.without_walls)
+            lines = isolation.describe()
+        else:
+            from meshfair.experiments.cluster import connect
+            from meshfair_grading.cluster import PACKAGES, check_walls, marks_on
+
+            cluster = stack.enter_context(connect(options.scheduler, packages=PACKAGES))
+            isolation = Isolation(limits)
+            lines = check_walls(cluster, without_walls=options.without_walls)
+            elsewhere = partial(
+                marks_on,
+                cluster,
+                source=source,
+                limits=limits,
+                without_walls=options.without_walls,
+            )
+        for line in lines:
+            print(line, file=sys.stderr)
+        if options.seed is None:
+            print(
+                f"seed: that of {source.path.name}, which students know; give --seed a number "
+                "that only you know, and note it for appeals",
+                file=sys.stderr,
+            )
+        if options.explain is not None:
+            print(_explained(options.explain, options.submissions, source, isolation, options.seed))
+            return 0
+        marks = grade(
+            options.submissions,
+            source,
+            options.out,
+            isolation,
+            seed=options.seed,
+            jobs=options.jobs,
+            force=options.force,
+            progress=lambda marks, total: tqdm(marks, total=total, unit="student"),
+            elsewhere=elsewhere,
+        )
     assignment = source.load()
     teacher = options.out.with_name(f"{options.out.stem}_teacher")
     files = handed_in(options.submissions, source.name)
@@ -106,6 +175,21 @@ def run(options: argparse.Namespace) -> int:
         f"mean {sum(earned) / len(earned):.1f} points: {options.out}, {teacher / 'overview.html'}"
     )
     return 0
+
+
+def walls_of_this_system() -> tuple[str, str, str]:
+    """What `meshfair doctor` says of the walls around submissions.
+
+    Returns
+    -------
+    state, found, advice : str
+    """
+    from meshfair_grading.walls import trouble
+
+    found = trouble()
+    if not found:
+        return "ok", "bubblewrap keeps submissions in", ""
+    return "note", found, "without it meshfair grade marks with --without-walls only"
 
 
 def check_installed() -> None:
@@ -122,7 +206,7 @@ def _explained(
 ) -> str:
     """How the mark of one student came about."""
     from meshfair_grading.explain import explain
-    from meshfair_grading.marking import find, handed_in
+    from meshfair_grading.submissions import find, handed_in
 
     found = {one.student: one for one in find(folder, source.name)}
     if student not in found:
@@ -142,6 +226,7 @@ def known_assignments() -> list[str]:
 
 def instructors_file(assignment: str) -> Path:
     """The file of an assignment that is given by its path or, in a clone, by its name."""
+    from meshfair.checks import did_you_mean
     from meshfair_grading.generate import ASSIGNMENTS
 
     folder, path = ASSIGNMENTS / "source", Path(assignment)
@@ -156,5 +241,8 @@ def instructors_file(assignment: str) -> Path:
             "this installation came without the assignments; give --assignment the path of an "
             f"instructor's file, such as notebooks/assignments/source/{path.name} of the repository"
         )
-    known = ", ".join(known_assignments())
-    raise ValueError(f"there is no assignment {assignment}; there are {known}")
+    known = known_assignments()
+    raise ValueError(
+        f"there is no assignment {assignment}; there are {', '.join(known)}"
+        f"{did_you_mean(assignment, known)}"
+    )

@@ -13,9 +13,11 @@ from scipy.sparse import issparse
 
 from meshfair_grading.answers import Answer, Other, Seeded
 from meshfair_grading.assignment import Assignment
+from meshfair_grading.gradebook import Mark
 from meshfair_grading.isolation import Isolation
-from meshfair_grading.marking import Mark, Submission, mark
+from meshfair_grading.marking import mark
 from meshfair_grading.students import IsolatedStudent
+from meshfair_grading.submissions import Submission
 
 SHOWN = 4  # numbers of an array
 

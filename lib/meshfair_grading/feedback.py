@@ -61,7 +61,7 @@ class Report:
                 lines += [f"          {name + ':':10}{value}" for name, value in _details(o)]
         if self.printed:
             lines += ["Your code printed:", self.printed]
-        return "\n".join(lines)
+        return _printable("\n".join(lines))
 
     def markdown(self) -> str:
         """The report in Markdown.
@@ -70,17 +70,17 @@ class Report:
         -------
         str
         """
-        lines = [f"# {self.heading}", "", f"**{self.score}**", ""]
-        lines += [f"{_quoted(remark)}\n" for remark in self.remarks]
+        lines = [f"# {quoted(self.heading)}", "", f"**{self.score}**", ""]
+        lines += [f"{quoted(remark)}\n" for remark in self.remarks]
         for task, outcomes in self.by_task():
             earned = sum(o.earned for o in outcomes)
             lines += [f"## `{task}`: {earned:g} of {sum(o.points for o in outcomes):g}", ""]
             for o in outcomes:
                 lines.append(f"- {MARKS[o.status]} **{o.earned:g}/{o.points:g}** {o.title}")
-                lines += [f"    - {name}: {_quoted(value)}" for name, value in _details(o)]
+                lines += [f"    - {name}: {quoted(value)}" for name, value in _details(o)]
             lines.append("")
         if self.printed:
-            indented = "\n".join(f"    {line}" for line in self.printed.splitlines())
+            indented = "\n".join(f"    {_printable(line)}" for line in self.printed.split("\n"))
             lines += ["## What the code printed", "", indented, ""]
         return "\n".join(lines)
 
@@ -164,8 +164,18 @@ def _with_code(text: str) -> Markup:
     return Markup(re.sub("`([^`]*)`", r"<code>\1</code>", html.escape(_printable(text))))
 
 
-def _quoted(text: str) -> str:
-    """Text with a student's words in it, so that it cannot be markup: one line, no HTML."""
+def quoted(text: str) -> str:
+    """A line of Markdown of a text with a student's words in it, which cannot be markup.
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    str
+        One line, without HTML.
+    """
     return (
         html.escape(_printable(" ".join(text.split()))).replace("|", "&#124;").replace("[", "&#91;")
     )

@@ -1,13 +1,14 @@
-"""A student's process, started with all the restrictions that this system has.
+"""A student's process: started behind walls, watched, ended, and what it printed.
 
-Each restriction is tried out once (`Isolation.detect`); `Isolation.describe` says
-which of them hold. This contains accidents; against code that means
-harm, run the grading in a container or a virtual machine that can be thrown away.
+`Isolation.describe` says which restrictions hold on this system. Without the walls
+(see `meshfair_grading.walls`) accidents are contained and no malice.
 """
 
 import contextlib
 import json
 import os
+import platform
+import re
 import shutil
 import signal
 import socket
@@ -15,24 +16,30 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
-from meshfair_grading import protocol
+from meshfair_grading import protocol, walls
+from meshfair_grading.watch import Together, Watch
 
-NOBODY = 65534
 KEPT_OUTPUT = 4000
-# No network device but a loopback that is down; processes that die with their first one.
-NAMESPACES = ("unshare", "--net", "--ipc", "--pid", "--fork", "--kill-child")
 NUMBA = "numba"
-# Python without its environment (-I) finds this very package all the same, wherever it lies.
+# Python without its environment (-I), whose libraries lie in folders that are given.
 START = (
-    "import runpy, sys; sys.path.insert(0, sys.argv.pop(1)); "
+    "import json, runpy, sys; words = json.loads(sys.argv[1]); "
+    "sys.path[:] = words['before'] + sys.path + words['after']; "
     "runpy.run_module('meshfair_grading.child', run_name='__main__')"
 )
 PACKAGES = Path(__file__).parents[1]
 STARTUP = 60.0  # seconds; importing SciPy on a busy machine
+# From here on Linux counts a user's processes within the walls alone.
+COUNTS_WITHIN = (5, 14)
+
+
+class NoWallsError(OSError):
+    """There are no walls on this system; the message says why, and what to do."""
 
 
 @dataclass(frozen=True)
@@ -44,11 +51,15 @@ class Limits:
     total: float = 60.0
     """Seconds for the whole submission, and of processor time for each process."""
     memory: int = 2_000_000_000
-    """Bytes of address space of each process."""
+    """Bytes of address space of each process, and of memory of all of them together."""
     file: int = 16_000_000
-    """Bytes in one file; what the code prints goes to one."""
+    """Bytes in one file, and in all of its folder; what the code prints goes to a file, too."""
     processes: int = 32
+    """Processes and threads at a time."""
     files: int = 64
+    """Open files."""
+    entries: int = 2_000
+    """Files and folders that there may be."""
 
 
 @dataclass(frozen=True)
@@ -56,24 +67,22 @@ class Isolation:
     """How to start a student's process on this system."""
 
     limits: Limits = field(default_factory=Limits)
-    namespaces: bool = False
-    """Whether network and processes are the child's own."""
-    nobody: bool = False
-    """Whether the child gives up the rights of root."""
-    confined: bool = False
-    """Whether the child sees no files but Python's and its own folder."""
+    walls: bool = True
+    """Whether bubblewrap's walls are around it."""
     numba_cache: Path | None = None
     """A folder with what numba has compiled; each child gets a copy."""
     keep_compiled: bool = False
     """Whether what the child compiles goes into that folder: for trusted code only."""
 
     @classmethod
-    def detect(cls, limits: Limits | None = None) -> Self:
-        """Try the restrictions out, the strongest first.
+    def detect(cls, limits: Limits | None = None, *, without_walls: bool = False) -> Self:
+        """Try the walls out.
 
         Parameters
         ----------
         limits : Limits, optional
+        without_walls : bool
+            Do without them where this system has none.
 
         Returns
         -------
@@ -81,26 +90,23 @@ class Isolation:
 
         Raises
         ------
+        NoWallsError
+            There are none, and they are wanted.
         OSError
             Not even a plain process with limits can be started.
         """
         limits = limits or Limits()
         if os.name != "posix":
             raise OSError("grading needs Linux or macOS (on Windows, the Linux subsystem WSL)")
-        root = os.geteuid() == 0
-        spaced = shutil.which("unshare") is not None
-        attempts = [
-            (s, n) for s in (True, False) for n in (True, False) if s <= spaced and n <= root
-        ]
-        for namespaces, nobody in attempts:
-            try:
-                process = cls(limits, namespaces, nobody).start(b"", "trial.py")
-            except OSError as error:
-                reason = error
-                continue
-            process.stop()
-            return cls(limits, namespaces, nobody, process.confined)
-        raise reason
+        trouble = walls.trouble()
+        if trouble and not without_walls:
+            raise NoWallsError(
+                f"submissions would run without walls: {trouble}; install it, or give "
+                "--without-walls in a machine that you can throw away"
+            )
+        isolation = cls(limits, walls=not trouble)
+        isolation.start(b"", "trial.py", ()).stop()
+        return isolation
 
     def describe(self) -> list[str]:
         """Say what holds on this system and what does not, a line each.
@@ -109,44 +115,34 @@ class Isolation:
         -------
         list of str
         """
-        root = os.geteuid() == 0
+        limits = self.limits
+        lines = [
+            f"limits: {limits.call:g} s a call, {limits.total:g} s in all, "
+            f"{limits.memory / 1e9:g} GB, files of {limits.file / 1e6:g} MB, "
+            f"{limits.processes} processes, {limits.files} open files"
+        ]
+        if self.walls:
+            return [
+                "walls: no network, no files but Python's and the submission's own, which end with "
+                "it; no user but nobody, no process that stays",
+                *lines,
+            ]
+        who = "ROOT" if os.geteuid() == 0 else "you"
         return [
-            "network: " + ("none" if self.namespaces else "NOT cut off (no user namespaces here)"),
-            "files: "
-            + (
-                "Python's own and the submission's folder, no others"
-                if self.confined
-                else "NOT confined (no Landlock here): the code can read what you can read"
-            ),
-            "user: "
-            + ("nobody" if self.nobody else "ROOT, do not grade like this" if root else "yours"),
-            "processes: "
-            + (
-                "all ended with the submission's first one"
-                if self.namespaces
-                else "the process group is ended; one that leaves its group is NOT"
-            ),
-            f"limits: {self.limits.call:g} s a call, {self.limits.total:g} s in all, "
-            f"{self.limits.memory / 1e9:g} GB, files of {self.limits.file / 1e6:g} MB, "
-            f"{self.limits.processes} processes, {self.limits.files} open files",
+            f"walls: NONE. The code can reach the network and do what {who} can do with your "
+            "files, import what holds the answers, and leave processes behind",
+            *lines,
         ]
 
-    def wrapped(self, command: list[str]) -> list[str]:
-        """The command in namespaces of its own, where the system has them."""
-        if not self.namespaces:
-            return command
-        # Who is not root needs a user namespace to make the others; no user is mapped
-        # in it, so nothing inside has any privilege.
-        mine = () if self.nobody else ("--user",)
-        return [*NAMESPACES, *mine, *command]
-
-    def start(self, source: bytes, filename: str) -> "Process":
-        """Start a process in a fresh folder with a submission's file in it.
+    def start(self, source: bytes, filename: str, allowed: Sequence[str]) -> "Process":
+        """Start a process with a submission's file in its folder.
 
         Parameters
         ----------
         source : bytes
         filename : str
+        allowed : sequence of str
+            Modules of libraries that it can import.
 
         Returns
         -------
@@ -157,59 +153,119 @@ class Isolation:
         OSError
             It did not start; the message holds what it printed.
         """
-        return Process(source, filename, self)
+        return Process(source, filename, allowed, self)
 
 
 class Process:
     """A student's process, its folder and the channel to it."""
 
-    def __init__(self, source: bytes, filename: str, isolation: Isolation) -> None:
+    def __init__(
+        self, source: bytes, filename: str, allowed: Sequence[str], isolation: Isolation
+    ) -> None:
         self._isolation = isolation
-        self._folder = tempfile.TemporaryDirectory(prefix="meshfair-", ignore_cleanup_errors=True)
         self._output = tempfile.TemporaryFile()  # noqa: SIM115  closed in stop
+        self._folder: tempfile.TemporaryDirectory[str] | None = None
         self.channel, theirs = socket.socketpair()
-        folder = Path(self._folder.name)
-        self.file = str(folder / filename)
-        Path(self.file).write_bytes(source)
-        if isolation.numba_cache:
-            shutil.copytree(isolation.numba_cache, folder / NUMBA)
-        if isolation.nobody:
-            for path in (folder, *folder.rglob("*")):
-                os.chown(path, NOBODY, NOBODY)
         self._printed_before = 0
-        limits = isolation.limits
-        child_limits = {
-            "cpu": int(limits.total),
-            "memory": limits.memory,
-            "file": limits.file,
-            "processes": limits.processes,
-            "files": limits.files,
-        }
-        user = NOBODY if isolation.nobody else None
-        command = [sys.executable, "-I", "-B", "-c", START, str(PACKAGES)]
-        command += [str(theirs.fileno()), json.dumps(child_limits), json.dumps(user)]
-        with theirs:
-            self._popen = subprocess.Popen(
-                isolation.wrapped(command),
-                cwd=folder,
-                env=_environment(folder),
-                stdin=subprocess.DEVNULL,
-                stdout=self._output,
-                stderr=subprocess.STDOUT,
-                pass_fds=[theirs.fileno()],
-                start_new_session=True,  # a group of its own, to be killed as one
-            )
+        with theirs, tempfile.TemporaryFile() as file:
+            file.write(source)
+            file.seek(0)
+            start = self._behind_walls if isolation.walls else self._in_the_open
+            self.file, self._popen = start(file.fileno(), filename, source, allowed, theirs)
+        self._watch = Watch(
+            self._popen.pid,
+            Together(isolation.limits.memory, isolation.limits.processes, isolation.limits.entries),
+            walls.HOME if isolation.walls else None,
+            self._kill,
+        )
         try:
-            hello = protocol.receive(self.channel, time.monotonic() + STARTUP)
+            protocol.receive(self.channel, time.monotonic() + STARTUP)
         except (OSError, EOFError) as error:
-            _, printed = self.stop(patience=1.0)
+            _, printed = self._ended(patience=1.0)
             raise OSError(f"the process did not start: {printed[-500:] or error!r}") from error
-        self.confined = hello["confined"]
         # What was printed so far is Python's, not the student's.
         self._printed_before = self._output.seek(0, os.SEEK_END)
+        self._watch.start()
 
-    def stop(self, patience: float = 0.0) -> tuple[int, str]:
-        """Kill the process and all of its group, and remove its folder.
+    def _behind_walls(
+        self, fd: int, filename: str, source: bytes, allowed: Sequence[str], theirs: socket.socket
+    ) -> tuple[str, subprocess.Popen[bytes]]:
+        isolation = self._isolation
+        modules = ("numpy", "scipy", *allowed)
+        path = [walls.GRADER, *walls.library_folders(modules)]
+        cache = isolation.numba_cache
+        command = walls.command(
+            self._python(sys._base_executable, theirs, after=path, compiled=cache is not None),  # type: ignore[attr-defined]
+            modules,
+            box=isolation.limits.file,
+            files=[(fd, filename)],
+            compiled=cache,
+            keep_compiled=isolation.keep_compiled,
+            environment=_environment(walls.HOME),
+        )
+        popen = self._popen_of(command, [fd, theirs.fileno()])
+        return str(walls.HOME / filename), popen
+
+    def _in_the_open(
+        self, fd: int, filename: str, source: bytes, allowed: Sequence[str], theirs: socket.socket
+    ) -> tuple[str, subprocess.Popen[bytes]]:
+        self._folder = tempfile.TemporaryDirectory(prefix="meshfair-", ignore_cleanup_errors=True)
+        folder = Path(self._folder.name)
+        (folder / filename).write_bytes(source)
+        cache = self._isolation.numba_cache
+        if cache:
+            shutil.copytree(cache, folder / NUMBA)
+        command = self._python(sys.executable, theirs, before=[PACKAGES])
+        popen = self._popen_of(command, [theirs.fileno()], cwd=folder, env=_environment(folder))
+        return str(folder / filename), popen
+
+    def _python(
+        self,
+        python: str,
+        theirs: socket.socket,
+        before: Sequence[Path] = (),
+        after: Sequence[Path] = (),
+        compiled: bool = False,
+    ) -> list[str]:
+        """The command of the child, with folders before and after Python's own ones."""
+        limits = self._isolation.limits
+        words: dict[str, Any] = {
+            "before": [str(folder) for folder in before],
+            "after": [str(folder) for folder in after],
+            "channel": theirs.fileno(),
+            "limits": {
+                "cpu": int(limits.total) + 1,
+                "memory": limits.memory,
+                "file": limits.file,
+                "files": limits.files,
+            },
+            "compiled": str(walls.COMPILED) if compiled else None,
+            "keep_compiled": self._isolation.keep_compiled,
+        }
+        if self._isolation.walls and _release() >= COUNTS_WITHIN:
+            words["limits"]["processes"] = limits.processes
+        # Unbuffered, so that what was printed is there however the process ends.
+        return [python, "-I", "-B", "-u", "-c", START, json.dumps(words)]
+
+    def _popen_of(
+        self, command: list[str], fds: list[int], **options: Any
+    ) -> subprocess.Popen[bytes]:
+        return subprocess.Popen(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=self._output,
+            stderr=subprocess.STDOUT,
+            pass_fds=fds,
+            start_new_session=True,  # a group of its own, to be killed as one
+            **options,
+        )
+
+    def _kill(self) -> None:
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.killpg(self._popen.pid, signal.SIGKILL)
+
+    def stop(self, patience: float = 0.0) -> tuple[int, str, str]:
+        """End the process with all that it has started, and remove its folder.
 
         Parameters
         ----------
@@ -222,20 +278,35 @@ class Process:
             Its exit code, negative for a signal.
         printed : str
             The beginning of what it printed.
+        excess : str
+            What all of its processes together used too much of, or nothing.
         """
+        code, printed = self._ended(patience)
+        self._watch.stop()
+        return code, printed, self._watch.reason
+
+    def _ended(self, patience: float) -> tuple[int, str]:
         self.channel.close()
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._popen.wait(patience)
-        with contextlib.suppress(ProcessLookupError, PermissionError):
-            os.killpg(self._popen.pid, signal.SIGKILL)
+        self._kill()
         code = self._popen.wait()
+        if self._isolation.walls and code > 128:  # as bubblewrap reports a signal
+            code = 128 - code
         printed = os.pread(self._output.fileno(), KEPT_OUTPUT, self._printed_before)
         self._output.close()
-        compiled, cache = Path(self._folder.name) / NUMBA, self._isolation.numba_cache
-        if self._isolation.keep_compiled and cache and compiled.exists():
-            shutil.copytree(compiled, cache, dirs_exist_ok=True)
-        self._folder.cleanup()
+        if self._folder is not None:
+            compiled, cache = Path(self._folder.name) / NUMBA, self._isolation.numba_cache
+            if self._isolation.keep_compiled and cache and compiled.exists():
+                shutil.copytree(compiled, cache, dirs_exist_ok=True)
+            self._folder.cleanup()
         return code, printed.decode(errors="replace")
+
+
+def _release() -> tuple[int, int]:
+    """The version of the system's kernel."""
+    numbers = re.match(r"(\d+)\.(\d+)", platform.release())
+    return (int(numbers[1]), int(numbers[2])) if numbers else (0, 0)
 
 
 def _environment(folder: Path) -> dict[str, str]:

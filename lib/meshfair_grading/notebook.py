@@ -1,13 +1,16 @@
-"""What an assignment's notebook needs: pictures of the student's own result, and patience.
+"""What a notebook needs: pictures of the student's own result, patience, and checks.
 
 ``%load_ext meshfair_grading.notebook`` makes a cell that meets a function which
-is not done yet end with one line instead of a traceback.
+is not done yet end with one line instead of a traceback. `practise` lends the checks of an
+assignment to a notebook of the course.
 """
 
 import io
+import runpy
 import traceback
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from types import TracebackType
 from typing import Any
 
@@ -15,6 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from meshfair.viewer import Camera, render
+from meshfair_grading.assignment import Assignment
+from meshfair_grading.generate import ASSIGNMENTS
 
 SIZE = (480, 400)  # pixels of each picture
 
@@ -87,6 +92,35 @@ def show(
     return Picture(file.getvalue())
 
 
+def practise(assignment: str) -> Assignment:
+    """The checks of an assignment, for functions that are written in the notebook itself.
+
+    Parameters
+    ----------
+    assignment : str
+        Its name, such as ``"a2"``.
+
+    Returns
+    -------
+    Assignment
+        ``check = practise("a2")``, and then ``check("distance_weights")``.
+
+    Raises
+    ------
+    FileNotFoundError
+        This installation came without the assignments.
+    """
+    path = ASSIGNMENTS / "student" / assignment / f"{assignment}_checks.py"
+    if not path.is_file():
+        raise FileNotFoundError(
+            f"the checks of {assignment} are in notebooks/assignments of the repository, and this "
+            "installation came without; open the notebook in a clone"
+        )
+    check: Assignment = runpy.run_path(str(path))["check"]
+    check.module = "__main__"
+    return check
+
+
 def load_ipython_extension(shell: Any) -> None:
     """Called by IPython's ``%load_ext``."""
     shell.set_custom_exc((NotImplementedError,), _say_what_is_not_done)
@@ -100,4 +134,4 @@ def _say_what_is_not_done(
     tb_offset: int | None = None,
 ) -> None:
     stub = traceback.extract_tb(trace)[-1]
-    print(f"`{stub.name}` is not done yet ({stub.filename}, line {stub.lineno})")
+    print(f"`{stub.name}` is not done yet ({Path(stub.filename).name}, line {stub.lineno})")

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from meshfair_grading.assignment import Assignment, Check
 from meshfair_grading.feedback import COLORS, templates
-from meshfair_grading.marking import Mark, write
+from meshfair_grading.gradebook import Mark, write
 from meshfair_grading.outcomes import Outcome
 from meshfair_grading.similar import COMMON, THRESHOLD, similar
 

@@ -199,7 +199,9 @@ class IsolatedStudent(Student):
         return Answer(failure=self._failures[name])
 
     def _start(self) -> None:
-        self._process = self._isolation.start(self._source, f"{self._assignment}.py")
+        self._process = self._isolation.start(
+            self._source, f"{self._assignment}.py", self._rules.allowed
+        )
         request = {
             "load": self._process.file,
             "allowed": list(self._rules.allowed),
@@ -247,19 +249,20 @@ class IsolatedStudent(Student):
             return None, Failure("crashed", f"disturbed its channel: {error}")
         except (EOFError, OSError):
             # It has closed the channel, so its end is near: its exit code tells why.
-            return None, Failure("crashed", _death(self._stop(patience=2.0)))
+            code, excess = self._stop(patience=2.0)
+            return None, Failure("crashed", excess or _death(code))
         finally:
             # Only the student's time counts, not what the checks take in between.
             self._left -= time.monotonic() - start
 
-    def _stop(self, patience: float = 0.0) -> int | None:
-        """End the process, keep what it printed; returns its exit code."""
+    def _stop(self, patience: float = 0.0) -> tuple[int | None, str]:
+        """End the process, keep what it printed: its exit code, and what it used too much of."""
         if self._process is None:
-            return None
+            return None, ""
         process, self._process = self._process, None
-        code, printed = process.stop(patience)
+        code, printed, excess = process.stop(patience)
         self.printed = self.printed or printed
-        return code
+        return code, excess
 
 
 def _death(code: int | None) -> str:

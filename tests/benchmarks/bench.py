@@ -32,23 +32,26 @@ bench.csv has a row for each task and contender:
 filters.csv has a row for each filter: seconds with its default parameters, median of rounds.
 starting.csv has the seconds of a new process: Python alone, NumPy and SciPy imported, README's
 first example, nothing compiled before.
+files.csv has a row for each format: seconds to read a mesh, to read all that the file holds, to
+write the mesh, and to write it like the file; in memory.
 scaling.csv has a row for each size: vertices, faces, nanoseconds per vertex of each part
 (edges, cotangent, averaging, step, whole_flow) and peak_bytes_per_vertex, the most memory
-that the whole flow holds. machine.csv says what was measured on.
+that the whole flow holds. sweeping.csv: see sweeping.py. machine.csv says what was measured on.
 """
 
 import argparse
-import csv
 import importlib.util
 import multiprocessing
 import tempfile
 from pathlib import Path
 
+import files
 import filtering
 import measuring
 import numpy as np
 import scaling
 import starting
+import sweeping
 from contenders import CONTENDERS, STEPS, known
 
 from meshfair.mesh import reorder
@@ -204,17 +207,6 @@ def bytes_to_move(mesh):
     return k.A.data.nbytes + 4 * (k.A.nnz + n) + 2 * k.V.nbytes + n
 
 
-def write(path, rows):
-    """Write rows with the same names as CSV, figures with six digits."""
-    with open(path, "w", newline="") as file:
-        table = csv.DictWriter(file, rows[0], lineterminator="\n")
-        table.writeheader()
-        for row in rows:
-            table.writerow(
-                {key: f"{x:.6g}" if isinstance(x, float) else x for key, x in row.items()}
-            )
-
-
 def show(rows, n):
     """Print the rows of one task."""
     for row in rows:
@@ -267,13 +259,13 @@ def main(arguments=None):
             print(f"{library} is not installed, and left out")
         processes = {x: Process() for x in libraries if _installed(x)} | {COPY: Process()}
         bytes_of_step, bandwidths = bytes_to_move(mesh), []
-        files = {"flow": meshes[0][0]}
-        files |= dict.fromkeys((x for x in ROUNDS if IN_ORDER in x), in_order(mesh, folder))
+        mesh_of = {"flow": meshes[0][0]}
+        mesh_of |= dict.fromkeys((x for x in ROUNDS if IN_ORDER in x), in_order(mesh, folder))
         for task in options.task or ROUNDS:
             rounds = 1 if options.quick else options.rounds or ROUNDS[task]
             size = meshes[0][1:] if task == "flow" else (n, m)
             copied = []
-            of_task = compare(task, files.get(task, mesh), rounds, processes, copied)
+            of_task = compare(task, mesh_of.get(task, mesh), rounds, processes, copied)
             bandwidths += copied
             bandwidth = measuring.median(copied)
             print(f"{task} (memory copied at {bandwidth / 1e9:.1f} GB/s)")
@@ -290,13 +282,15 @@ def main(arguments=None):
             rounds = 1 if options.quick else options.rounds or 3
             tables["starting.csv"] = starting.table(1 if options.quick else 9)
             tables["filters.csv"] = filtering.table(rounds, options.quick)
+            tables["files.csv"] = files.table(meshes[0][0], rounds)
             tables["scaling.csv"] = scaling.table(meshes, rounds)
+            tables["sweeping.csv"] = sweeping.table(options.quick)
     facts = [*measuring.machine(), ("copy GB/s", f"{measuring.median(bandwidths) / 1e9:.1f}")]
     tables["machine.csv"] = [{"what": key, "value": x} for key, x in facts]
     if results is not None:
         results.mkdir(parents=True, exist_ok=True)
         for name, table in tables.items():
-            write(results / name, table)
+            measuring.write(results / name, table)
 
 
 if __name__ == "__main__":

@@ -43,7 +43,8 @@ from mutants import Mutant, mutants
 
 TESTS = Path(__file__).resolve().parents[1]
 PACKAGE = TESTS.parent / "lib" / "meshfair"
-MODULES = ["weights", "operators", "flow", "noise", "metrics"]
+MODULES = ["weights", "operators", "flow", "noise"]
+MODULES += [f"metrics/{path.stem}" for path in sorted(PACKAGE.glob("metrics/[!_]*.py"))]
 FILTERS = [f"filters/{path.stem}" for path in sorted(PACKAGE.glob("filters/[!_]*.py"))]
 # Tests of the numerical modules; which of them concern a mutant is measured.
 FILES = (

@@ -42,6 +42,20 @@ def wanted(rows: int, least: int = ROWS) -> bool:
     return rows >= least and available()
 
 
+_one_core = False
+
+
+def use_one_core() -> None:
+    """Let loops use one core from now on: other processes like this one use the others."""
+    global _one_core
+    _one_core = True
+
+
+def one_core() -> bool:
+    """Whether `use_one_core` was called."""
+    return _one_core
+
+
 def __getattr__(name: str) -> Any:
     if name in _MODULES:
         return import_module(f"meshfair._fast.{name}")

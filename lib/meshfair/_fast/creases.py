@@ -94,7 +94,7 @@ def _patch_means(first, last, start, adjacent, N, area, C, size, G):
     in_patch_of = np.full(len(N), -1, dtype=np.int32)
     for i in range(first, last):
         nearest, count = i, 0
-        x = y = z = 0.0
+        x = y = z = total = 0.0
         while nearest >= 0 and count < size:
             patch[count] = nearest
             in_patch_of[nearest] = i
@@ -102,8 +102,9 @@ def _patch_means(first, last, start, adjacent, N, area, C, size, G):
             x += area[nearest] * N[nearest, 0]
             y += area[nearest] * N[nearest, 1]
             z += area[nearest] * N[nearest, 2]
+            total += area[nearest]
             nearest = _nearest_beside(patch[:count], start, adjacent, in_patch_of, C, i)
-        set_unit(G, i, x, y, z)
+        set_unit(G, i, x, y, z, total)
 
 
 @compiled

@@ -5,6 +5,7 @@ from scipy.sparse import csr_array
 
 from meshfair._fast.kernels import compiled, on_all_cores, unsigned
 from meshfair._fast.neighbourhoods import BLOCK, squared_distance
+from meshfair.checks import CANCELLED
 
 
 def move_along_normals(V, N, near, sigma_c, least_deviation, fixed):
@@ -74,20 +75,20 @@ def _falloff(sigma):
 
 
 @compiled
-def _set_direction(out, i, x, y, z, N):
-    """Row i of ``out`` becomes (x, y, z) at length one; where it is zero, row i of N."""
+def _set_direction(out, i, x, y, z, total, N):
+    """Row i of ``out`` becomes (x, y, z) at length one; where its terms cancel, row i of N."""
     length = np.sqrt(x * x + y * y + z * z)
-    if length > 0:
+    if length > CANCELLED * total:
         out[i, 0], out[i, 1], out[i, 2] = x / length, y / length, z / length
     else:
         out[i, 0], out[i, 1], out[i, 2] = N[i, 0], N[i, 1], N[i, 2]
 
 
 @compiled
-def set_unit(out, i, x, y, z):
-    """Row i of ``out`` becomes (x, y, z) at length one; where it is zero, zero."""
+def set_unit(out, i, x, y, z, total):
+    """Row i of ``out`` becomes (x, y, z) at length one; where its terms cancel, zero."""
     length = np.sqrt(x * x + y * y + z * z)
-    scale = 1 / length if length > 0 else 0.0
+    scale = 1 / length if length > CANCELLED * total else 0.0
     out[i, 0], out[i, 1], out[i, 2] = x * scale, y * scale, z * scale
 
 
@@ -124,14 +125,15 @@ def _mean_height(V, N, i, around, sigma_c, least_deviation):
 @compiled
 def _sun(first, last, start, faces, N, T, mean):
     for i in range(first, last):
-        x = y = z = 0.0
+        x = y = z = total = 0.0
         for p in range(start[i], start[i + 1]):
             j = faces[p]
             w = max(0.0, _dot(N, i, N, j) - T) ** 2
             x += w * N[j, 0]
             y += w * N[j, 1]
             z += w * N[j, 2]
-        _set_direction(mean, i, x, y, z, N)
+            total += w
+        _set_direction(mean, i, x, y, z, total, N)
 
 
 @compiled
@@ -147,14 +149,15 @@ def _spatial_weights(first, last, start, faces, C, area, sigma, S):
 def _joint_bilateral(first, last, start, faces, S, N, G, sigma, mean):
     falloff = _falloff(sigma)
     for i in range(first, last):
-        x = y = z = 0.0
+        x = y = z = total = 0.0
         for p in range(start[i], start[i + 1]):
             j = faces[p]
             w = S[p] * np.exp(-falloff * squared_distance(G, i, j))
             x += w * N[j, 0]
             y += w * N[j, 1]
             z += w * N[j, 2]
-        _set_direction(mean, i, x, y, z, N)
+            total += w
+        _set_direction(mean, i, x, y, z, total, N)
 
 
 @compiled
@@ -188,11 +191,12 @@ def _patches(first, last, start, ring, start_across, across, N, area, flat, inco
         for j in faces:
             in_patch_of[j] = i
         x = y = z = 0.0
-        strongest = total = 0.0
+        strongest = total = size = 0.0
         for j in faces:
             x += area[j] * N[j, 0]
             y += area[j] * N[j, 1]
             z += area[j] * N[j, 2]
+            size += area[j]
             for p in range(start_across[j], start_across[j + 1]):
                 k = across[p]
                 if k < j and in_patch_of[k] == i:
@@ -200,7 +204,7 @@ def _patches(first, last, start, ring, start_across, across, N, area, flat, inco
                     strongest = max(strongest, difference)
                     total += difference
         inconsistency[i] = _widest(N, faces) * strongest / (flat + total)
-        set_unit(mean, i, x, y, z)
+        set_unit(mean, i, x, y, z, size)
 
 
 @compiled

@@ -23,6 +23,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numba
 
+from meshfair import _fast
+
 # Rows a thread takes at a time. The same on every machine, so that sums over
 # blocks do not depend on the number of cores.
 BLOCK = 16_384
@@ -123,7 +125,8 @@ def on_all_cores(kernel, count, *arguments, block=BLOCK):
         for k, first in blocks:
             results[k] = kernel(first, min(first + block, count), *arguments)
 
-    busy = min(threads(), len(firsts)) if len(firsts) > 1 else 1
+    alone = len(firsts) < 2 or _fast.one_core()
+    busy = 1 if alone else min(threads(), len(firsts))
     helpers = [_helpers().submit(work) for _ in range(busy - 1)]
     work()
     for helper in helpers:

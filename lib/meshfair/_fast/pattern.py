@@ -21,7 +21,7 @@ class Pattern:
     are: a flow that moves them builds one pattern and fills it again and again.
 
     Edge e joins i < j; edges are sorted by i, then j. An edge from a vertex to
-    itself is left out. A face that is stored twice counts once.
+    itself is left out. Duplicate faces count once.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ class Pattern:
         keys = np.empty(bounds[n], dtype=np.int64)
         _in_parts(_file, places, faces, F, keys)
 
-        # Sorting brings equal edges together, and repeated faces are equal keys. Parts have as
+        # Sorting brings equal edges together, and duplicate faces are equal keys. Parts have as
         # many keys, not as many vertices: the first vertices are the lower ends of more edges.
         self.edge_ptr, opposites = np.zeros((2, n + 1), dtype=integer)
         vertices = np.searchsorted(bounds, _cuts(len(keys), len(places)))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from meshfair._fast.kernels import compiled, helper, on_all_cores, unsigned
-from meshfair.checks import DEGENERATE
+from meshfair.checks import DEGENERATE, ROUNDED
 
 
 def combinatorial(pattern):
@@ -44,6 +44,11 @@ def _cross(u, v):
     return u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
 
 
+@helper
+def _largest(V, i):
+    return max(abs(V[i, 0]), abs(V[i, 1]), abs(V[i, 2]))
+
+
 @compiled
 def _distance(first, last, V, indptr, indices, W):
     for i in range(first, last):
@@ -61,13 +66,15 @@ def _cotangent(first, last, V, indptr, indices, edge_ptr, at_ji, opposite_ptr, o
             p = indptr[i + 1] - (edge_ptr[i + 1] - e)  # the edges are the last entries of row i
             j = indices[p]
             edge = _difference(V, i, j)
+            largest = max(_largest(V, i), _largest(V, j))
             cotangents = 0.0
             for s in range(opposite_ptr[e], opposite_ptr[e + 1]):
                 u, v = _difference(V, i, opposite[s]), _difference(V, j, opposite[s])
                 normal = _cross(u, v)
                 doubled_area = np.sqrt(_dot(normal, normal))
                 longest = max(_dot(u, u), _dot(v, v), _dot(edge, edge))
-                if doubled_area <= DEGENERATE * longest:
+                rounded = ROUNDED * max(largest, _largest(V, opposite[s])) * np.sqrt(longest)
+                if doubled_area <= max(DEGENERATE * longest, rounded):
                     degenerate += 1
                 else:
                     cotangents += _dot(u, v) / doubled_area

@@ -2,26 +2,27 @@
 
 A subcommand's module has a docstring (its help), ``add_arguments(parser)``
 and ``run(options)``, which returns the exit code. What a module needs beyond
-argparse it imports in ``run``, so that ``--help`` is quick.
+argparse it imports in ``run``, so that ``--help`` is quick. Where Python calls a parameter by
+another name than the option, the option's ``dest`` is that name: messages then name the option.
 """
 
 import argparse
 import io
 import os
 import sys
-import warnings
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from importlib.metadata import entry_points
 from types import ModuleType
 
 from meshfair import __version__
-from meshfair.checks import NotInstalledError
+from meshfair.cli import printing
+from meshfair.cli.messages import Messages
+from meshfair.cli.parser import Parser
 
-COMMANDS = ("info", "repair", "noise", "denoise", "compare", "doctor")
+COMMANDS = ("info", "repair", "noise", "denoise", "compare", "view", "sweep", "doctor")
 # Other packages bring further ones as entry points of this group.
 GROUP = "meshfair.commands"
-TRACEBACK_VARIABLE = "MESHFAIR_TRACEBACK"
 
 EXIT_CODES = """\
 exit codes:
@@ -48,16 +49,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         See `EXIT_CODES`. With the environment variable MESHFAIR_TRACEBACK
         set, errors are raised instead.
     """
-    name = "meshfair"
+    messages = Messages("meshfair", {})
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # a file's name may hold anything
     try:
         options, run = _parse(arguments)
-        name = f"meshfair {options.command}"
-        with warnings.catch_warnings():
-            warnings.simplefilter("default", UserWarning)  # the package's own, each once
-            warnings.showwarning = lambda message, *_, **__: _report(f"{name}: warning: {message}")
+        messages = options.messages
+        with messages.warnings():
             code = run(options) or 0
         sys.stdout.flush()  # so that a closed pipe shows here
         return code
@@ -65,13 +64,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # Nobody is left to read it; Python's own flush at the end must not fail again.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 141
-    except KeyboardInterrupt:
-        _report(f"{name}: interrupted")
+    except KeyboardInterrupt as interrupt:
+        messages.say(" ".join(["interrupted", *map(str, interrupt.args)]))
         return 130
     except Exception as error:
-        if os.environ.get(TRACEBACK_VARIABLE):
-            raise
-        return _explain(name, error)
+        message, code = messages.explained(error)
+        messages.say(message)
+        return code
 
 
 def _modules() -> dict[str, ModuleType]:
@@ -84,53 +83,23 @@ def _parse(
     arguments: Sequence[str] | None,
 ) -> tuple[argparse.Namespace, Callable[[argparse.Namespace], int]]:
     """The options, and the function that runs the subcommand."""
-    parser = argparse.ArgumentParser(
-        prog="meshfair",
-        description="Denoise triangulated meshes.",
-        epilog=EXIT_CODES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    parser = Parser(prog="meshfair", description="Denoise triangulated meshes.", epilog=EXIT_CODES)
     parser.add_argument("--version", action="version", version=f"meshfair {__version__}")
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     modules = _modules()
     for name, module in modules.items():
-        summary, _, details = (module.__doc__ or "").partition("\n")
+        paragraphs = (module.__doc__ or "").strip().split("\n\n")
         subparser = subparsers.add_parser(
             name,
-            help=summary,
-            description=f"{summary}\n{details}",
-            formatter_class=argparse.RawDescriptionHelpFormatter,
+            help=paragraphs[0],
+            description="\n\n".join(printing.wrapped(" ".join(p.split())) for p in paragraphs),
         )
         module.add_arguments(subparser)
+        messages = Messages(f"meshfair {name}", subparser.option_of)
+        subparser.set_defaults(messages=messages, wrong_usage=subparser.error)
     try:
         options = parser.parse_args(arguments)
     except SystemExit:
         sys.stdout.flush()  # help, too, can meet a closed pipe
         raise
     return options, modules[options.command].run
-
-
-def _explain(name: str, error: Exception) -> int:
-    """Say in one line what went wrong; return the exit code."""
-    if isinstance(error, MemoryError):
-        _report(f"{name}: not enough memory; use a smaller mesh or free some")
-        return 1
-    if isinstance(error, NotInstalledError):
-        _report(f"{name}: {error}")
-        return 1
-    if isinstance(error, ModuleNotFoundError) and not (error.name or "").startswith("meshfair."):
-        _report(f"{name}: this needs {error.name}, which is not installed; see meshfair doctor")
-        return 1
-    if isinstance(error, (ValueError, ArithmeticError, OSError)):  # the package's own are of these
-        _report(f"{name}: {error}")
-        return 1
-    _report(
-        f"{name}: {type(error).__name__}: {error}. This is an error of meshfair; please report it "
-        f"with what {TRACEBACK_VARIABLE}=1 shows"
-    )
-    return 70
-
-
-def _report(message: str) -> None:
-    """Print one line on standard error, whatever the message holds."""
-    print(" ".join(str(message).split()), file=sys.stderr)

@@ -11,6 +11,8 @@ import os
 import platform
 from collections import defaultdict
 from collections.abc import Callable
+from functools import partial
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -18,6 +20,11 @@ from meshfair.cli import files, printing
 
 if TYPE_CHECKING:
     from packaging.requirements import Requirement
+
+
+# Other packages bring further looks as entry points of this group: functions that return a
+# state, what was found, and advice.
+GROUP = "meshfair.doctor"
 
 
 class Check(NamedTuple):
@@ -50,6 +57,7 @@ def run(options: argparse.Namespace) -> int:
         "EGL": _egl,
         "real meshes": _real_meshes,
     }
+    looks |= {entry.name: partial(_of_another, entry) for entry in entry_points(group=GROUP)}
     checks = [check for name, look in looks.items() for check in _attempt(name, look)]
     problems = sum(check.state == "problem" for check in checks)
     if options.json:
@@ -62,6 +70,11 @@ def run(options: argparse.Namespace) -> int:
                 print(f"{'':<8}{'':<{width}}  -> {check.advice}")
         print(f"{problems or 'no'} problem{'' if problems == 1 else 's'}")
     return 1 if problems else 0
+
+
+def _of_another(entry: EntryPoint) -> list[Check]:
+    """What another package looks at."""
+    return [Check(entry.name, *entry.load()())]
 
 
 def _attempt(name: str, look: Callable[[], list[Check]]) -> list[Check]:

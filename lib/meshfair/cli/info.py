@@ -1,4 +1,7 @@
-"""Say what a mesh is, what is wrong with it, and which methods that affects."""
+"""Say what a mesh is, what is wrong with it, and which methods that affects.
+
+FILE may be -, which is standard input and needs --format.
+"""
 
 import argparse
 
@@ -7,7 +10,8 @@ from meshfair.cli import files, printing
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the subcommand's arguments."""
-    files.add_input(parser)
+    files.add_input(parser, standard=True)
+    files.add_format(parser)
     files.add_reading(parser)
     files.add_json(parser)
 
@@ -22,10 +26,15 @@ def run(options: argparse.Namespace) -> int:
     """
     from meshfair import mesh
 
+    files.check_standard(options, options.file)
     inspection = mesh.inspect(*files.read(options.file, options))
+    words = options.messages.in_words
     if options.json:
-        printing.print_json({"file": str(options.file)} | inspection.as_dict())
+        facts = inspection.as_dict()
+        for finding in facts["findings"]:
+            finding |= {name: words(finding[name]) for name in ("affects", "remedy")}
+        printing.print_json({"file": str(options.file)} | facts)
     else:
-        print(options.file)
-        print(inspection)
+        print("standard input" if options.file == files.STANDARD else options.file)
+        print(inspection.as_text(words, printing.width()))
     return 0

@@ -2,32 +2,53 @@
 
 Sizes are in mean edge lengths of the mesh, but for the uniform model's amplitude,
 which is in the mesh's own units. The same seed gives the same noise.
+
+The SNR compares the noise with the distances of the vertices from the origin, as the
+original report defines it: the same noise on a mesh further away has a higher SNR.
+IN and OUT may be -, which is standard input or output and needs --format.
 """
 
 import argparse
+from typing import Any
 
 from meshfair.cli import files, printing
 
-# Those of `meshfair.noise.MODELS`, which is not loaded for --help, and outliers.
-MODELS = ("normals", "gaussian", "uniform", "impulsive")
+# Those of `meshfair.noise.MODELS`, which is not loaded for --help, and outliers; and what
+# each of them takes, with the value where it is not given.
+MODELS: dict[str, dict[str, float | None]] = {
+    "normals": {"sigma": 0.2},
+    "gaussian": {"sigma": 0.2},
+    "uniform": {"amplitude": None},
+    "impulsive": {"sigma": 0.2, "fraction": 0.1},
+}
+# In decibels: beyond, noise is lost in the rounding of float64, and so is the mesh.
+SNR_RANGE = -300, 300
+DEFAULT_MODEL = "normals"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the subcommand's arguments."""
-    files.add_input(parser, "in")
+    files.add_input(parser, "in", standard=True)
     files.add_output(parser)
-    parser.add_argument("--model", choices=MODELS, default=MODELS[0], help=f"(default {MODELS[0]})")
     parser.add_argument(
-        "--sigma", type=float, default=0.2, help="standard deviation (default 0.2), not for uniform"
+        "--model", choices=MODELS, default=DEFAULT_MODEL, help=f"(default {DEFAULT_MODEL})"
+    )
+    parser.add_argument(
+        "--sigma", type=float, help="standard deviation (default 0.2), not for uniform"
     )
     parser.add_argument("--amplitude", type=float, help="of the uniform model, which needs it")
     parser.add_argument(
-        "--fraction", type=float, default=0.1, help="of vertices moved, if impulsive (default 0.1)"
+        "--fraction", type=float, help="of vertices moved, for impulsive (default 0.1)"
     )
     parser.add_argument(
-        "--snr", type=float, metavar="DB", help="scale the noise to this signal-to-noise ratio"
+        "--snr",
+        dest="decibels",
+        type=float,
+        metavar="DB",
+        help="scale the noise to this signal-to-noise ratio",
     )
     parser.add_argument("--seed", type=int, default=0, help="of the random numbers (default 0)")
+    files.add_format(parser)
     files.add_reading(parser)
     files.add_json(parser)
 
@@ -43,31 +64,53 @@ def run(options: argparse.Namespace) -> int:
     import numpy as np
 
     from meshfair import metrics, noise
-    from meshfair.checks import check_count
+    from meshfair.checks import check_count, check_number
 
-    source = vars(options)["in"]
-    files.check_output(options.out, [source], options.force)
+    source, out = vars(options)["in"], options.out
+    files.check_standard(options, source, out)
+    files.check_output(out, [source], options.force)
     check_count(options.seed, "--seed")
-    if options.model == "uniform" and options.amplitude is None:
-        raise ValueError("--model uniform needs --amplitude, in the units of the mesh")
-    V, F = files.read(source, options)
+    sizes = _sizes(options)
+    if options.decibels is not None:
+        check_number(options.decibels, "--snr", *SNR_RANGE)
+    V, F, attributes = files.read_whole(source, options)
+    files.warn_of_problems(source, V, F)
     rng = np.random.default_rng(options.seed)
     if options.model == "impulsive":
-        V_noisy = noise.impulsive(V, F, options.sigma, options.fraction, rng)
+        V_noisy = noise.impulsive(V, F, sizes["sigma"], sizes["fraction"], rng)
     else:
-        size = options.amplitude if options.model == "uniform" else options.sigma
+        (size,) = sizes.values()
         V_noisy = noise.MODELS[options.model](V, F, size, rng)
-    if options.snr is not None:
-        V_noisy = noise.at_snr(V, V_noisy - V, options.snr)
-    files.write(options.out, V_noisy, F, [source], options.force)
-    facts = {
-        "out": options.out,
+    if options.decibels is not None:
+        V_noisy = noise.at_snr(V, V_noisy - V, options.decibels)
+    files.write(out, V_noisy, F, attributes, [source], options)
+    facts: dict[str, Any] = {
+        "out": out,
         "model": options.model,
         "seed": options.seed,
         "snr": metrics.snr(V, V_noisy),
     }
     if options.json:
-        printing.print_json(facts)
+        printing.print_json(facts, printing.beside(out))
     else:
-        printing.print_table(facts.items())
+        printing.print_table(facts.items(), printing.beside(out))
     return 0
+
+
+def _sizes(options: argparse.Namespace) -> dict[str, float]:
+    """What the model takes; an error where an option is not for it, or one is missing."""
+    from meshfair.checks import check_number
+
+    takes = MODELS[options.model]
+    for name in ("sigma", "amplitude", "fraction"):
+        if getattr(options, name) is not None and name not in takes:
+            right = ", ".join(model for model, names in MODELS.items() if name in names)
+            raise ValueError(f"--{name} is for {right}, and not for {options.model}")
+    if options.model == "uniform" and options.amplitude is None:
+        raise ValueError("--model uniform needs --amplitude, in the units of the mesh")
+    sizes = {}
+    for name, default in takes.items():
+        given = getattr(options, name)
+        high = 1 if name == "fraction" else float("inf")
+        sizes[name] = check_number(default if given is None else given, f"--{name}", 0, high)
+    return sizes

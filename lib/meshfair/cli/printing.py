@@ -2,15 +2,24 @@
 
 import json
 import math
+import shutil
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+import textwrap
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, TextIO
+
+from meshfair.cli.files import STANDARD
 
 
-def print_json(facts: Mapping[str, Any]) -> None:
-    """Print one JSON object; numbers that JSON does not have (NaN, infinite) become null."""
-    print(json.dumps(_plain(facts), indent=2, allow_nan=False))
+def beside(out: object) -> TextIO:
+    """Where to print: standard output, unless it is what the mesh is written to."""
+    return sys.stderr if out == STANDARD else sys.stdout
+
+
+def print_json(facts: Mapping[str, Any], to: TextIO | None = None) -> None:
+    """Print one JSON object; of numbers that JSON has not, NaN is null, infinite ones are texts."""
+    print(json.dumps(_plain(facts), indent=2, allow_nan=False), file=to)
 
 
 def _plain(value: Any) -> Any:
@@ -22,23 +31,55 @@ def _plain(value: Any) -> Any:
     if hasattr(value, "tolist"):  # NumPy's arrays and numbers
         return _plain(value.tolist())
     if isinstance(value, float) and not math.isfinite(value):
-        return None
+        return None if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
     return value if isinstance(value, (str, int, float, bool, type(None))) else str(value)
 
 
-def print_table(rows: Iterable[tuple[str, Any]]) -> None:
-    """Print names and values in two columns; numbers with six digits."""
-    texts = [
-        (name, f"{value:.6g}" if isinstance(value, float) else str(value)) for name, value in rows
-    ]
-    width = max(len(name) for name, _ in texts)
-    for name, value in texts:
-        print(f"{name:<{width}}  {value}")
+def print_table(rows: Iterable[Sequence[Any]], to: TextIO | None = None) -> None:
+    """Print rows in columns, but for the last cell as wide as they need; numbers with six digits.
+
+    Parameters
+    ----------
+    rows : iterable of sequences
+        Of any lengths; the last cell of a row is in nobody's way.
+    to : file, optional
+        Standard output by default.
+    """
+    texts = [[shortened(cell) for cell in row] for row in rows]
+    widths: dict[int, int] = {}
+    for row in texts:
+        for k, cell in enumerate(row[:-1]):
+            widths[k] = max(widths.get(k, 0), len(cell))
+    for row in texts:
+        cells = [f"{cell:<{widths[k]}}" for k, cell in enumerate(row[:-1])]
+        print("  ".join([*cells, *row[-1:]]), file=to)
+
+
+def width() -> int:
+    """How long lines may be: as wide as the terminal is, up to what is read well."""
+    return min(88, shutil.get_terminal_size((80, 1)).columns)
+
+
+def wrapped(text: str, indent: str = "") -> str:
+    """A text in lines of `width`; names and numbers stay whole."""
+    return textwrap.fill(
+        text, width(), subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
+    )
+
+
+def shortened(value: Any, digits: int = 6) -> str:
+    """A value as text; a number with so many digits."""
+    return f"{value:.{digits}g}" if isinstance(value, float) else str(value)
 
 
 @contextmanager
-def progress() -> Iterator[Callable[[float], None]]:
+def progress(label: str = "") -> Iterator[Callable[[float], None]]:
     """Show on standard error, if that is a terminal and tqdm is there, how far the work is.
+
+    Parameters
+    ----------
+    label : str
+        What is worked on, where there are several.
 
     Yields
     ------
@@ -53,8 +94,8 @@ def progress() -> Iterator[Callable[[float], None]]:
     except ModuleNotFoundError:
         yield lambda part: None
         return
-    form = "{percentage:3.0f}% |{bar}| {elapsed} < {remaining}"
-    with tqdm(total=1.0, bar_format=form, leave=False) as bar:
+    form = "{desc}{percentage:3.0f}% |{bar}| {elapsed} < {remaining}"
+    with tqdm(total=1.0, desc=label, bar_format=form, leave=False) as bar:
 
         def advance(part: float) -> None:
             bar.update(part - bar.n)

@@ -1,6 +1,7 @@
 """Repair a mesh: only what is asked for is done, in the order of the options.
 
-`meshfair info` says what is wrong.
+`meshfair info` says what is wrong. IN and OUT may be -, which is standard input or
+output and needs --format.
 """
 
 import argparse
@@ -10,7 +11,7 @@ from meshfair.cli import files, printing
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the subcommand's arguments."""
-    files.add_input(parser, "in")
+    files.add_input(parser, "in", standard=True)
     files.add_output(parser)
     parser.add_argument(
         "--weld",
@@ -29,6 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--unreferenced", action="store_true", help="drop vertices that no face uses"
     )
+    files.add_format(parser)
     files.add_reading(parser)
     files.add_json(parser)
 
@@ -44,11 +46,12 @@ def run(options: argparse.Namespace) -> int:
     from meshfair import mesh
 
     source = vars(options)["in"]
+    files.check_standard(options, source, options.out)
     files.check_output(options.out, [source], options.force)
-    V, F = files.read(source, options)
+    V, F, attributes = files.read_whole(source, options)
     steps = ("weld", "degenerate", "duplicates", "split", "orient", "unreferenced")
     repaired = mesh.repair(V, F, **{name: getattr(options, name) for name in steps})
-    files.write(options.out, repaired.V, repaired.F, [source], options.force)
+    files.write(options.out, repaired.V, repaired.F, attributes, [source], options)
     if options.json:
         printing.print_json(
             {
@@ -56,12 +59,12 @@ def run(options: argparse.Namespace) -> int:
                 "vertices": len(repaired.V),
                 "faces": len(repaired.F),
                 "steps": [step._asdict() for step in repaired.report],
-            }
+            },
+            printing.beside(options.out),
         )
     else:
-        for step in repaired.report:
-            print(step.message)
-        if not repaired.report:
-            print("nothing was asked for, so nothing was changed")
-        print(f"{options.out}: {len(repaired.V):,} vertices, {len(repaired.F):,} faces")
+        lines = [step.message for step in repaired.report]
+        lines = lines or ["nothing was asked for, so nothing was changed"]
+        lines.append(f"{options.out}: {len(repaired.V):,} vertices, {len(repaired.F):,} faces")
+        print("\n".join(lines), file=printing.beside(options.out))
     return 0

@@ -7,7 +7,13 @@ from meshfair.experiments.extensions import (
     origin_shift,
     reduction,
 )
-from meshfair.experiments.meshes import MESHES, NotDownloadedError, load_mesh, load_noisy_mesh
+from meshfair.experiments.meshes import (
+    MESHES,
+    PAIRS,
+    NotDownloadedError,
+    load_mesh,
+    load_noisy_mesh,
+)
 from meshfair.experiments.missiles import (
     averaging_for_missiles,
     missile_vertices,
@@ -22,7 +28,7 @@ from meshfair.experiments.original import (
     stopping,
     table_1,
 )
-from meshfair.experiments.quality import PAIRS, denoised, noisy_pair, quality
+from meshfair.experiments.quality import denoised, noisy_pair, quality
 from meshfair.experiments.sweep import sweep
 
 __all__ = [

@@ -85,7 +85,8 @@ def reduction(
     rows = []
     for cell in cells:
         V_small, F_small = cluster(V, F, cell)
-        noisy = along_normals(V_small, F_small, size, np.random.default_rng(seed))
+        # (The two faces of a duplicate are often turned against each other: no normal between.)
+        noisy = along_normals(V_small, unique_faces(F_small), size, np.random.default_rng(seed))
         dropped = repair(noisy, F_small, duplicates=True)
         split = repair(noisy, F_small, duplicates=True, split=True)
         right = cotangent(dropped.V, dropped.F)
@@ -173,7 +174,7 @@ def agreement(
     -------
     pandas.DataFrame
         mesh, weights; snr_time, angle_time, distance_time: the time at which SNR, mean
-        normal angle and surface distance are best; angle at the first two and
+        normal angle and vertex distance are best; angle at the first two and
         noisy, volume_change at the angle's.
     """
     with needed_for("an experiment"):
@@ -185,7 +186,7 @@ def agreement(
         for name, flowed in table.groupby("weights", sort=False):
             by_snr = flowed.loc[flowed["snr"].idxmax()]
             by_angle = flowed.loc[flowed["normal_angle"].idxmin()]
-            by_distance = flowed.loc[flowed["surface_distance"].idxmin()]
+            by_distance = flowed.loc[flowed["vertex_distance"].idxmin()]
             rows.append(
                 {
                     "mesh": mesh,

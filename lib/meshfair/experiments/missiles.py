@@ -108,7 +108,7 @@ def averaging_for_missiles(
     Returns
     -------
     pandas.DataFrame
-        weights, time, those of `meshfair.metrics.compare`, and missile_error, the
+        weights, time, the values of `meshfair.metrics.compare`, and missile_error, the
         missiles' error as in `part_errors`.
     """
     with needed_for("an experiment"):
@@ -120,6 +120,6 @@ def averaging_for_missiles(
         states = flow.heat(V_noisy, averaging(build(V_noisy, F)), tau, time)
         errors = ((part_errors(X, V, F)["missiles"], t, X) for t, X in states)
         error, best, X = min(errors, key=lambda state: state[0])
-        found = compare(X, F, V, F) | {"missile_error": error}
-        rows.append({"weights": name, "time": best} | found)
+        found = {name: measure.value for name, measure in compare(X, F, V, F).items()}
+        rows.append({"weights": name, "time": best} | found | {"missile_error": error})
     return pd.DataFrame(rows)

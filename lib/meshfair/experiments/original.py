@@ -18,7 +18,7 @@ from scipy.sparse import csr_array
 from meshfair import flow, metrics
 from meshfair.checks import Floats, Integers, check_choice, needed_for
 from meshfair.experiments.meshes import load_noisy_mesh
-from meshfair.experiments.sweep import check_finished, sweep
+from meshfair.experiments.sweep import sweep
 from meshfair.operators import averaging
 from meshfair.weights import BY_NAME, distance
 
@@ -94,13 +94,13 @@ def curves(
     mesh, noise, seed, size, decibels, tau, time
         As in `stopping`; ``tau=1`` is iterated averaging.
     angles : bool
-        Measure the mean normal angle, surface distance and volume too.
+        Measure the mean normal angle, vertex distance and volume too.
 
     Returns
     -------
     pandas.DataFrame
         A row for each weights and time: weights, time, snr, and with
-        ``angles`` normal_angle (degrees), surface_distance (mean edge
+        ``angles`` normal_angle (degrees), vertex_distance (mean edge
         lengths) and volume_change (a fraction).
     """
     with needed_for("an experiment"):
@@ -113,7 +113,7 @@ def curves(
             row: dict[str, Any] = {"weights": name, "time": t, "snr": metrics.snr(V, V_t)}
             if angles:
                 row["normal_angle"] = metrics.normal_angle(V_t, V, F)
-                row["surface_distance"] = metrics.surface_distance(V_t, V, F)
+                row["vertex_distance"] = metrics.vertex_distance(V_t, V, F)
                 row["volume_change"] = metrics.volume_change(V_t, V, F)
             rows.append(row)
     return pd.DataFrame(rows)
@@ -182,10 +182,8 @@ def table_1(
         ("uniform", "size", tuple(float(a) for a in amplitudes.values())),
         ("normals", "decibels", tuple(amplitudes)),
     ):
-        part = sweep(
-            {**common, "noise": noise, axis: values}, executor, path=path, progress=progress
-        )
-        check_finished(part)
+        grid = {**common, "noise": noise, axis: values}
+        part = sweep(grid, executor, path=path, progress=progress, failures="raise")
         by_value = dict(zip(values, amplitudes, strict=True))
         parts.append(part.assign(row=part[axis].map(by_value)))
     rows = pd.concat(parts)

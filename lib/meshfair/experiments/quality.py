@@ -5,36 +5,19 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from os import PathLike
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from meshfair import denoising
-from meshfair.checks import Floats, Integers, needed_for
-from meshfair.experiments.meshes import load_mesh, load_noisy_mesh
+from meshfair.checks import Floats, Integers
+from meshfair.experiments.meshes import PAIRS, load_mesh, load_noisy_mesh
 from meshfair.experiments.missiles import JET, part_errors
-from meshfair.experiments.sweep import check_finished, sweep
+from meshfair.experiments.sweep import sweep
 from meshfair.metrics import compare
 
 if TYPE_CHECKING:
     import pandas as pd
 
 PARAMETERS = ("default", "auto", "tuned")
-
-
-class Pair(NamedTuple):
-    """A mesh that is published both without noise and with it."""
-
-    ground_truth: str
-    """The name in `meshfair.datasets.SOURCES` of the one without noise."""
-    noisy: str
-    """The name there of the one with noise."""
-    size: float
-    """The noise of the noisy one, in mean edge lengths."""
-
-
-PAIRS = {
-    "fandisk": Pair("fandisk-clean", "fandisk-noisy", 0.3),
-    "bunny pair": Pair("bunny-clean", "bunny-noisy", 0.2),
-}
 
 
 def noisy_pair(mesh: str, size: float, seed: int) -> tuple[Floats, Floats, Integers]:
@@ -96,19 +79,24 @@ def denoised(
     return denoising.denoise(V_noisy, F, method, parameters=parameters), V, F
 
 
-def score(mesh: str, method: str, parameters: str, size: float, seed: int) -> dict[str, Any]:
+def score(
+    mesh: str, method: str, parameters: str, size: float, seed: int, keep_mesh: bool = False
+) -> dict[str, Any]:
     """Every metric of one method on one noisy mesh; "none" leaves the mesh noisy.
 
     Parameters
     ----------
     mesh, method, parameters, size, seed
         As in `denoised`.
+    keep_mesh : bool
+        Return the denoised mesh, too.
 
     Returns
     -------
     dict
-        Those of `meshfair.metrics.compare`; on the jet missile_error, see
-        `meshfair.experiments.part_errors`; and used, the parameters as JSON, and seconds.
+        The values of `meshfair.metrics.compare`; on the jet missile_error, see
+        `meshfair.experiments.part_errors`; used, the parameters as JSON, and seconds; and
+        with ``keep_mesh`` denoised, (V, F).
     """
     if method == "none":
         X, V, F = noisy_pair(mesh, size, seed)
@@ -119,7 +107,9 @@ def score(mesh: str, method: str, parameters: str, size: float, seed: int) -> di
         used = {name: value for name, value in result.parameters.items() if name != "fixed"}
         facts = {"used": json.dumps(used), "seconds": result.seconds}
     missiles = {"missile_error": part_errors(X, V, F)["missiles"]} if mesh == JET else {}
-    return compare(X, F, V, F) | missiles | facts
+    metrics = {name: measure.value for name, measure in compare(X, F, V, F).items()}
+    kept = {"denoised": (X, F)} if keep_mesh else {}
+    return metrics | missiles | facts | kept
 
 
 def quality(
@@ -157,17 +147,11 @@ def quality(
     RuntimeError
         A method failed; the message says which and why.
     """
-    with needed_for("an experiment"):
-        import pandas as pd
-
     methods = denoising.methods() if methods is None else list(methods)
-    parts = []
+    grids = []
     for mesh in meshes:
         noise = PAIRS[mesh].size if mesh in PAIRS else size
         common = {"experiment": score, "mesh": mesh, "size": noise, "seed": seed}
         for which, ways in ((["none"], ["default"]), (methods, PARAMETERS)):
-            grid = common | {"method": which, "parameters": ways}
-            parts.append(sweep(grid, path=path, progress=progress))
-    table = pd.concat(parts, ignore_index=True)
-    check_finished(table)
-    return table
+            grids.append(common | {"method": which, "parameters": ways})
+    return sweep(grids, path=path, progress=progress, failures="raise")

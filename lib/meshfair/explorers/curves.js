@@ -1,6 +1,5 @@
 // Curves or points with axes, a legend, and a marker at one x; a click picks an x.
 
-const HEIGHT = 190;
 const MARGIN = { left: 46, right: 14, top: 8, bottom: 34 };
 // Told apart on light and on dark paper, and by colour-blind readers.
 const COLORS = ["#3b8fd6", "#e07b1a", "#17a679", "#b86fb8"];
@@ -12,6 +11,19 @@ function draw(name, attributes, parent, text) {
   if (text !== undefined) node.textContent = text;
   parent.append(node);
   return node;
+}
+
+/** A curve's mark around a point: what stands at the best of it, and in the legend. */
+function mark(kind, x, y, size, attributes, parent) {
+  if (kind === "s") {
+    draw("rect", { x: x - size, y: y - size, width: 2 * size, height: 2 * size, ...attributes }, parent);
+  } else if (kind === "^") {
+    const [w, h] = [1.2 * size, 1.1 * size];
+    const points = `${x},${y - 1.3 * size} ${x - w},${y + h} ${x + w},${y + h}`;
+    draw("polygon", { points, ...attributes }, parent);
+  } else {
+    draw("circle", { cx: x, cy: y, r: size, ...attributes }, parent);
+  }
 }
 
 /** Round numbers from low to high, about `count` of them. */
@@ -54,12 +66,12 @@ function render({ model, el }) {
   const head = document.createElement("div");
   head.className = "title";
   el.append(head);
-  const svg = draw("svg", { height: HEIGHT }, el);
+  const svg = draw("svg", {}, el);
   let toX = () => 0; // from pixels back to x, for the pointer
 
   const paint = () => {
-    const width = svg.clientWidth;
-    if (!width) return;
+    const [width, height] = [svg.clientWidth, svg.clientHeight];
+    if (!width || !height) return;
     const series = model.get("series");
     const color = (curve, i) => curve.color || COLORS[i % COLORS.length];
 
@@ -67,15 +79,28 @@ function render({ model, el }) {
     const title = document.createElement("b");
     title.textContent = model.get("title");
     head.append(title);
-    if (series.length > 1) {
-      series.forEach((curve, i) => {
-        const key = document.createElement("span");
-        key.className = "key";
-        key.style.setProperty("--color", color(curve, i));
-        key.textContent = curve.name;
-        head.append(key);
-      });
-    }
+    series.forEach((curve, i) => {
+      if (series.length === 1 && !curve.legend) return;
+      const key = document.createElement("span");
+      key.className = "key";
+      const sample = draw("svg", { class: "sample", viewBox: "-11 -6 22 12" }, key);
+      if (curve.points) {
+        draw("circle", { cx: 0, cy: 0, r: 3, fill: color(curve, i) }, sample);
+      } else {
+        draw("line", { class: "curve", x1: -11, x2: 11, y1: 0, y2: 0, stroke: color(curve, i) }, sample);
+      }
+      if (curve.best) {
+        mark(curve.mark, 0, 0, 4, { class: "best", stroke: color(curve, i) }, sample);
+      }
+      key.append(series.length > 1 ? curve.name : "");
+      if (curve.legend) {
+        const said = document.createElement("span");
+        said.className = "said";
+        said.textContent = `${series.length > 1 ? ": " : ""}${curve.legend}`;
+        key.append(said);
+      }
+      head.append(key);
+    });
 
     const [x0, x1] = model.get("x_range") ?? extent(series.flatMap((s) => s.x), 0);
     const threshold = model.get("threshold");
@@ -83,7 +108,7 @@ function render({ model, el }) {
     const [y0, y1] =
       model.get("y_range") ?? extent(threshold === null ? heights : [...heights, threshold], 0.06);
     const right = width - MARGIN.right;
-    const bottom = HEIGHT - MARGIN.bottom;
+    const bottom = height - MARGIN.bottom;
     const X = (x) => MARGIN.left + ((x - x0) / (x1 - x0 || 1)) * (right - MARGIN.left);
     const Y = (y) => bottom - ((y - y0) / (y1 - y0 || 1)) * (bottom - MARGIN.top);
     toX = (pixel) => x0 + ((pixel - MARGIN.left) / (right - MARGIN.left)) * (x1 - x0);
@@ -99,7 +124,7 @@ function render({ model, el }) {
     }
     draw("line", { class: "grid", x1: MARGIN.left, x2: right, y1: bottom, y2: bottom }, svg);
     const middle = (MARGIN.left + right) / 2;
-    draw("text", { x: middle, y: HEIGHT - 3, "text-anchor": "middle" }, svg, model.get("x_label"));
+    draw("text", { x: middle, y: height - 3, "text-anchor": "middle" }, svg, model.get("x_label"));
     const turned = `translate(10 ${(bottom + MARGIN.top) / 2}) rotate(-90)`;
     draw("text", { transform: turned, "text-anchor": "middle" }, svg, model.get("y_label"));
 
@@ -120,6 +145,12 @@ function render({ model, el }) {
       }
     });
 
+    series.forEach((curve, i) => {
+      if (!curve.best) return;
+      const place = [X(curve.best[0]), Y(curve.best[1])];
+      mark(curve.mark, ...place, 5, { class: "best", stroke: color(curve, i) }, svg);
+    });
+
     const marker = model.get("marker");
     if (marker === null || marker < x0 - 1e-9 || marker > x1 + 1e-9) return;
     const x = X(marker);
@@ -127,13 +158,22 @@ function render({ model, el }) {
     series.forEach((curve, i) => {
       const y = at(curve, marker);
       if (y === undefined || curve.points) return;
-      draw("circle", { cx: x, cy: Y(y), r: 5, fill: color(curve, i) }, svg);
+      draw("circle", { cx: x, cy: Y(y), r: 4, fill: color(curve, i) }, svg);
       // With several curves the panels' titles give the values.
       if (series.length > 1) return;
-      const left = x > middle;
-      const place = { x: x + (left ? -9 : 9), y: Math.max(Y(y) - 8, 12) };
-      const anchor = left ? "end" : "start";
-      draw("text", { class: "value", ...place, "text-anchor": anchor }, svg, y.toFixed(2));
+      const text = y.toFixed(2);
+      const [wide, high] = [7 * text.length + 4, 14];
+      const line = curve.x.map((value, k) => [X(value), Y(curve.y[k])]);
+      const ground = Math.min(bottom, height);
+      // Where the label covers least of the curve, and lies within the axes.
+      const places = [[9, -8], [-9 - wide, -8], [9, 20], [-9 - wide, 20], [9, -26], [-9 - wide, -26]]
+        .map(([dx, dy]) => [x + dx, Y(y) + dy])
+        .filter(([a, b]) => a >= MARGIN.left && a + wide <= right && b - high >= 0 && b <= ground);
+      const covered = ([a, b]) =>
+        line.filter(([p, q]) => p > a - 4 && p < a + wide + 4 && q > b - high && q < b + 4).length;
+      places.sort((one, other) => covered(one) - covered(other));
+      const [a, b] = places[0] ?? [x + 9, Y(y) - 8];
+      draw("text", { class: "value", x: a, y: b }, svg, text);
     });
   };
 

@@ -27,7 +27,11 @@ class CurvePlot(anywidget.AnyWidget):
     """
 
     _esm = Path(__file__).with_name("curves.js")
-    _css = Path(__file__).with_name("curves.css")
+    # Every explorer has a plot, so the look of all of it comes with the plot's.
+    _css = "\n".join(
+        Path(__file__).with_name(name).read_text(encoding="utf-8")
+        for name in ("curves.css", "explorer.css")
+    )
     title = traitlets.Unicode().tag(sync=True)
     x_label = traitlets.Unicode().tag(sync=True)
     y_label = traitlets.Unicode().tag(sync=True)
@@ -45,8 +49,12 @@ class CurvePlot(anywidget.AnyWidget):
         *,
         points: bool = False,
         colors: Mapping[str, str] | None = None,
+        marks: Mapping[str, str] | None = None,
+        best: Mapping[str, int] | None = None,
+        legend: Mapping[str, str] | None = None,
         threshold: float | None = None,
         x_range: tuple[float, float] | None = None,
+        y_range: tuple[float, float] | None = None,
     ) -> None:
         """Show some curves in place of those before.
 
@@ -58,15 +66,25 @@ class CurvePlot(anywidget.AnyWidget):
             Points, not joined by lines.
         colors : dict of str to str, optional
             A CSS colour for each name.
+        marks : dict of str to str, optional
+            A mark for each name, as matplotlib calls it: "o", "s" or "^".
+        best : dict of str to int, optional
+            Which point of a curve is the best; it gets the curve's mark.
+        legend : dict of str to str, optional
+            What the legend says behind the name.
         threshold : float, optional
             Draw a line across at this y, and make what lies above it stand out.
         x_range : (float, float), optional
             Ends of the x axis; those of the curves by default.
+        y_range : (float, float), optional
+            Ends of the y axis, likewise.
         """
+        marks, best, legend = marks or {}, best or {}, legend or {}
         series = []
         for name, (x, y) in curves.items():
             x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
             shown = np.isfinite(x) & np.isfinite(y)
+            k = best.get(name)
             series.append(
                 {
                     "name": name,
@@ -74,9 +92,13 @@ class CurvePlot(anywidget.AnyWidget):
                     "y": y[shown].tolist(),
                     "points": points,
                     "color": (colors or {}).get(name, ""),
+                    "mark": marks.get(name, "o"),
+                    "best": None if k is None or not shown[k] else [float(x[k]), float(y[k])],
+                    "legend": legend.get(name, ""),
                 }
             )
         # One message for all of it, so that the page never shows a mixture.
         with self.hold_sync():
             self.series, self.threshold = series, threshold
             self.x_range = None if x_range is None else [float(x) for x in x_range]
+            self.y_range = None if y_range is None else [float(y) for y in y_range]

@@ -4,151 +4,17 @@ from __future__ import annotations
 
 import contextlib
 import html
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import ipywidgets as widgets
 
 from meshfair.explorers.curves import CurvePlot
 from meshfair.explorers.worker import Job, LatestWins
-from meshfair.viewer import View, coloring
+from meshfair.viewer import View
 from meshfair.viewer.view import with_still
-from meshfair.weights import BY_NAME
 
 Settings = dict[str, Any]
-
-PLAIN = "none"  # the colouring without values
-NAMED = {"description_width": "8.5em"}
-WIDE = {"width": "calc(100% - 8px)", "max_width": "34em"}
-
-# How menus write the noise models' names.
-NOISES = {
-    "normals": "along the normals",
-    "gaussian": "Gaussian",
-    "uniform": "uniform",
-    "impulsive": "impulsive (one in ten)",
-}
-
-
-def slider(
-    kind: Any,
-    description: str,
-    tooltip: str,
-    *,
-    value: float,
-    ends: tuple[float, float],
-    step: float,
-    **options: Any,
-) -> Any:
-    """A slider that shows its value while it moves.
-
-    Parameters
-    ----------
-    kind : type
-        ``ipywidgets.FloatSlider`` or ``IntSlider``.
-    description, tooltip : str
-        A name with its unit, and a sentence.
-    value, step : number
-        What it shows first, and the least that it moves.
-    ends : (number, number)
-        The least and the largest value.
-    **options
-        Others of ``kind``, such as ``readout_format``.
-
-    Returns
-    -------
-    ipywidgets.Widget
-    """
-    return kind(
-        value=value,
-        min=ends[0],
-        max=ends[1],
-        step=step,
-        description=description,
-        tooltip=tooltip,
-        continuous_update=True,
-        style=dict(NAMED),
-        layout=dict(WIDE),
-        **options,
-    )
-
-
-def choice(
-    description: str,
-    options: Iterable[str],
-    value: str,
-    tooltip: str,
-    labels: Mapping[str, str] | None = None,
-) -> Any:
-    """A menu with a name.
-
-    Parameters
-    ----------
-    description, tooltip : str
-        A name, and a sentence.
-    options : iterable of str
-        What can be chosen.
-    value : str
-        The first choice.
-    labels : dict of str to str, optional
-        What the page shows for some of the options.
-
-    Returns
-    -------
-    ipywidgets.Dropdown
-    """
-    return widgets.Dropdown(
-        options=[((labels or {}).get(name, name), name) for name in options],
-        value=value,
-        description=description,
-        tooltip=tooltip,
-        style=dict(NAMED),
-        layout=dict(WIDE),
-    )
-
-
-def color_choice() -> Any:
-    """The menu of what the meshes are coloured by."""
-    return choice(
-        "colour by",
-        [*coloring.COLORINGS, PLAIN],
-        "displacement",
-        "What the colours of the noisy meshes show",
-    )
-
-
-def noise_choice(models: Iterable[str], value: str, tooltip: str) -> Any:
-    """The menu of noise models."""
-    return choice("noise", models, value, tooltip, NOISES)
-
-
-def size_slider(size: float) -> Any:
-    """The slider of the noise's size."""
-    return slider(
-        widgets.FloatSlider,
-        "noise (edges)",
-        "Standard deviation of the noise along the normals, in mean edge lengths",
-        value=size,
-        ends=(0.0, 1.2),
-        step=0.01,
-    )
-
-
-def tau_slider(tau: float, ends: tuple[float, float]) -> Any:
-    """The slider of the time step."""
-    return slider(
-        widgets.FloatSlider,
-        "time step τ",
-        "Each iteration moves a vertex this part of the way to its neighbours' weighted mean",
-        value=tau,
-        ends=ends,
-        step=0.05,
-    )
-
-
-def weights_choice(value: str = "combinatorial") -> Any:
-    """The menu of weights."""
-    return choice("weights", BY_NAME, value, "How much each neighbour counts")
 
 
 class Explorer:
@@ -186,24 +52,35 @@ class Explorer:
         self._cancel.on_click(lambda _: self._worker.cancel())
         self._busy = widgets.HBox([self._bar, self._cancel], layout={"visibility": "hidden"})
 
-    def _begin(self, extra: Sequence[Any] = ()) -> None:
+    def _begin(self, *, along: Sequence[Any] = (), below: Sequence[Any] = ()) -> None:
         """Lay everything out, listen to the controls, and do the first work.
+
+        The look is that of explorer.css.
 
         Parameters
         ----------
-        extra : sequence of widgets
-            What stands below the controls, such as a play button.
+        along : sequence of widgets
+            What stands in a row right below the meshes, such as a play button; controls
+            that are among them do not stand with the others.
+        below : sequence of widgets
+            What stands at the end, such as a table.
         """
         for name, control in self.controls.items():
             control.observe(lambda change, name=name: self._changed(name), names="value")
-        # Side by side where a laptop's page has the room, below each other where it has not.
-        column = {"flex": "1 1 300px", "min_width": "300px"}
-        for plot in self.plots:
-            plot.layout = column
-        controls = widgets.VBox([*self.controls.values(), *extra], layout=column)
-        row = widgets.HBox([controls, *self.plots], layout={"flex_flow": "row wrap"})
-        status = widgets.HBox([self._note, self._busy], layout={"flex_flow": "row wrap"})
-        self.widget = widgets.VBox([self.view.widget, row, status], layout={"width": "100%"})
+        parts = {
+            "view": self.view.widget,
+            "along": widgets.HBox(list(along)),
+            "controls": widgets.VBox([c for c in self.controls.values() if c not in along]),
+            "plots": widgets.HBox(self.plots),
+            "status": widgets.HBox([self._note, self._busy]),
+            "below": widgets.VBox(list(below)),
+        }
+        for name, part in parts.items():
+            part.add_class(f"meshfair-{name}-part")
+        self.widget = widgets.Box(list(parts.values()))
+        self.widget.add_class("meshfair-explorer")
+        if len(self.view.panels) == 1:  # which leaves room for the plots beside it
+            self.widget.add_class("meshfair-one-panel")
         self._request()
 
     def settings(self) -> Settings:

@@ -13,12 +13,14 @@ from numpy.typing import ArrayLike
 from meshfair import denoising, noise
 from meshfair.checks import Floats, check_mesh
 from meshfair.explorers import worker
+from meshfair.explorers.controls import choice, size_slider
 from meshfair.explorers.curves import CurvePlot
-from meshfair.explorers.explorer import Explorer, Settings, choice, size_slider
-from meshfair.metrics import compare
+from meshfair.explorers.explorer import Explorer, Settings
+from meshfair.explorers.framing import Frame
+from meshfair.metrics import Measure, compare
 from meshfair.viewer import View, coloring
 
-Metrics = dict[str, float | None]
+Metrics = dict[str, Measure]
 
 # The colour bar has the same ends for all methods, so that their colours can be compared.
 ANGLES = (0.0, 30.0)
@@ -27,7 +29,7 @@ ANGLES = (0.0, 30.0)
 COLUMNS = {
     "snr": ("SNR", "{:.2f} dB"),
     "normal_angle": ("mean normal angle", "{:.2f}°"),
-    "surface_distance": ("mean distance to the true surface", "{:.3f} edges"),
+    "surface_distance": ("mean distance of the surfaces", "{:.3f} edges"),
     "hausdorff": ("Hausdorff distance", "{:.3f} edges"),
     "volume_change": ("change of volume", "{:+.2%}"),
     "area_change": ("change of area", "{:+.2%}"),
@@ -101,10 +103,7 @@ class FilterExplorer(Explorer):
             CurvePlot(title="SNR of the denoised mesh", x_label="iteration", y_label="dB"),
         ]
         self.table = widgets.HTML()
-        # Some methods take seconds: the progress stands where the choice was made.
-        self._begin(extra=[self._busy])
-        view, row, _ = self.widget.children
-        self.widget.children = (view, row, self._note, self.table)
+        self._begin(below=[self.table])
 
     def _work(self, job: worker.Job, settings: Settings) -> None:
         V, F = self._meshes[settings["mesh"]]
@@ -156,13 +155,19 @@ class FilterExplorer(Explorer):
         V, F = self._meshes[settings["mesh"]]
         V_noisy, before = self._start(settings)
         with self.view.together():
+            frame = Frame(self.view, [V, V_noisy], F)
             if self._shown is not None and self._shown[0] != settings["mesh"]:
-                self.view.look_at(V)
+                self.view.look_at(frame.V)
+            else:
+                self.view.refit(frame.V)
             self._shown = settings["mesh"], settings["size"]
-            self.view.update(V_noisy, panel=0, F=F, title=f"noisy: {_summary(before)}")
-            self.view.update(V_new, panel=1, F=F, title=title)
+            V_drawn, remark = frame.reduced(V_new)
             angles = coloring.normal_angle(V, F)(V_new)
-            self.view.update(V_new, panel=2, F=F, values=angles, title="where its normals are off")
+            self.view.update(V_noisy, panel=0, F=F, title=f"noisy: {_summary(before)}")
+            self.view.update(V_drawn, panel=1, F=F, title=title + remark)
+            self.view.update(
+                V_drawn, panel=2, F=F, values=angles, title="where its normals are off"
+            )
 
     def _show_metrics(
         self, compared: dict[str, Metrics], result: denoising.Denoised | None = None
@@ -183,8 +188,8 @@ class FilterExplorer(Explorer):
 
 def _written(column: str, numbers: Metrics) -> str:
     """One of the metrics in words."""
-    number = numbers[column]
-    return "unknown" if number is None else COLUMNS[column][1].format(number)
+    value = numbers[column].value
+    return "none" if value is None else COLUMNS[column][1].format(value)
 
 
 def _summary(numbers: Metrics) -> str:
@@ -203,13 +208,17 @@ def _used(result: denoising.Denoised) -> str:
 
 
 def _table(compared: dict[str, Metrics]) -> str:
-    """The metrics of meshes by name, as HTML: a row for each."""
+    """The metrics of meshes by name, as HTML: a row for each, why one is missing as its title."""
 
-    def row(tag: str, name: str, texts: Iterable[str]) -> str:
-        cells = "".join(f"<{tag} {CELL}>{html.escape(text)}</{tag}>" for text in texts)
+    def row(tag: str, name: str, texts: Iterable[tuple[str, str]]) -> str:
+        cells = "".join(
+            f'<{tag} {CELL} title="{html.escape(why)}">{html.escape(text)}</{tag}>'
+            for text, why in texts
+        )
         return f'<tr><th style="text-align:left">{name}</th>{cells}</tr>'
 
-    rows = [row("th", "", (name for name, _ in COLUMNS.values()))]
+    rows = [row("th", "", ((name, "") for name, _ in COLUMNS.values()))]
     for name, numbers in compared.items():
-        rows.append(row("td", name, (_written(column, numbers) for column in COLUMNS)))
+        texts = ((_written(column, numbers), numbers[column].reason) for column in COLUMNS)
+        rows.append(row("td", name, texts))
     return f'<table style="border-collapse:collapse;line-height:1.5">{"".join(rows)}</table>'

@@ -8,16 +8,9 @@ from numpy.typing import ArrayLike
 
 from meshfair import metrics, noise
 from meshfair.checks import Floats, check_mesh
+from meshfair.explorers.controls import NOISES, PLAIN, color_choice, noise_choice, slider
 from meshfair.explorers.curves import CurvePlot
-from meshfair.explorers.explorer import (
-    NOISES,
-    PLAIN,
-    Explorer,
-    Settings,
-    color_choice,
-    noise_choice,
-    slider,
-)
+from meshfair.explorers.explorer import Explorer, Settings
 from meshfair.explorers.worker import Job
 from meshfair.mesh import mean_edge_length
 from meshfair.viewer import View, coloring
@@ -69,8 +62,8 @@ class NoiseExplorer(Explorer):
             ),
             "shift": slider(
                 widgets.FloatSlider,
-                "shift (diagonals)",
-                "Move both meshes along x, in diagonals of the bounding box",
+                "shift both",
+                "Move both meshes along x, away from the origin, in diagonals of the bounding box",
                 value=0.0,
                 ends=(0.0, 4.0),
                 step=0.1,
@@ -97,16 +90,20 @@ class NoiseExplorer(Explorer):
         self.snr = metrics.snr(V + move, V_noisy + move)
         values = None
         with self.view.together():
+            used = np.unique(F)
+            self.view.refit(np.concatenate([V[used], V_noisy[used]]))
             if settings["color"] != PLAIN:
-                quantity = coloring.COLORINGS[settings["color"]]
-                values = quantity.of(V, F)(V_noisy)
-                self.view.color_by(quantity.label, coloring.limits(values))
+                look = coloring.COLORINGS[settings["color"]]
+                values = look.of(V, F)(V_noisy)
+                self.view.color_by(look.label, look.limits(values), look.cmap)
             # The picture stays as it is: moving both meshes changes nothing but the SNR.
             self.view.update(V_noisy, panel=1, values=values, title=f"noisy: {self.snr:.2f} dB")
         self.plots[0].marker = settings["size"]
 
+        # With the size that is shown among those of the curve, its label is the title's number.
+        sizes = np.union1d(SIZES, settings["size"])
         curve = []
-        for k, size in enumerate(SIZES):
-            job.progress(k / len(SIZES))
+        for k, size in enumerate(sizes):
+            job.progress(k / len(sizes))
             curve.append(metrics.snr(V + move, self._noisy(model, size, seed) + move))
-        self.plots[0].draw({"SNR": (SIZES, curve)}, x_range=(0, 1))
+        self.plots[0].draw({"SNR": (sizes, curve)}, x_range=(0, 1))

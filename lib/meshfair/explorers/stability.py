@@ -9,9 +9,11 @@ from numpy.typing import ArrayLike
 
 from meshfair import spectrum
 from meshfair.checks import Floats
+from meshfair.explorers.controls import tau_slider, weights_choice
 from meshfair.explorers.curves import CurvePlot
-from meshfair.explorers.explorer import Settings, tau_slider, weights_choice
-from meshfair.explorers.flows import FlowExplorer, Start
+from meshfair.explorers.explorer import Settings
+from meshfair.explorers.flows import FlowExplorer
+from meshfair.explorers.runs import Start
 from meshfair.explorers.worker import Job
 from meshfair.viewer import View
 from meshfair.weights import BY_NAME

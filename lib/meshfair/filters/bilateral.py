@@ -37,7 +37,7 @@ def bilateral(
     radius: float = 2.0,
     fixed: ArrayLike | None = None,
 ) -> Iterator[tuple[float, Floats]]:
-    """Bilateral mesh denoising [FDCo03]_, as an iterator.
+    """Bilateral mesh denoising [FDCo03]_, as an iterator: vertices move along their normals.
 
     Each vertex moves along its normal n by a mean of the heights
     h = <q - v, n> of the vertices q around it (itself among them),
@@ -66,7 +66,7 @@ def bilateral(
         lengths = weights.distance(V, edges)
         sigma_c = shortest_edges(lengths)
         near = within(V, lengths, radius * sigma_c)
-        N = normalised(B @ face_shapes(V, F)[0])
+        N = normalised(B @ face_shapes(V, F)[0], np.diff(B.indptr))
         V = move_along_normals(V, N, near, sigma_c, fixed)
         yield step / iterations, V
 

@@ -200,7 +200,7 @@ def crease_guidance(pairs: Integers, N: Floats, area: Floats, C: Floats) -> Floa
         nearest = np.take_along_axis(around, distance.argmin(axis=1)[:, None], axis=1)
         patch = np.append(patch, np.where(distance.min(axis=1) < np.inf, nearest.T, -1).T, axis=1)
     w = np.where(patch < 0, 0.0, area[patch])
-    return normalised(np.sum(w[:, :, None] * N[patch], axis=1))
+    return normalised(np.sum(w[:, :, None] * N[patch], axis=1), w.sum(axis=1))
 
 
 def _padded_rows(graph: csr_array) -> Integers:

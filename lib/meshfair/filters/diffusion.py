@@ -12,6 +12,7 @@ References
 """
 
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,7 +29,7 @@ from meshfair.checks import (
     check_mesh,
     check_number,
 )
-from meshfair.mesh import Edges, is_closed, mean_edge_length, volume
+from meshfair.mesh import Edges, Triangles, is_closed, mean_edge_length, volume
 from meshfair.operators import averaging as averaging_operator
 from meshfair.operators import laplacian, mass
 from meshfair.weights import BY_NAME
@@ -42,7 +43,7 @@ def averaging(
     iterations: int = 2,
     fixed: ArrayLike | None = None,
 ) -> Iterator[tuple[float, Floats]]:
-    """Iterated averaging V~ = W~^s V, as an iterator.
+    """Iterated averaging V~ = W~^s V, as an iterator: each vertex moves to its neighbours' mean.
 
     Parameters
     ----------
@@ -187,7 +188,8 @@ def implicit(
     edges, length = Edges(F, len(V)), mean_edge_length(V, F)
     for k in range(1, iterations + 1):
         L = _laplacian(V, edges, weights, length)
-        V = rescale(solve.implicit_step(V, L, mass(V, F), step * length**2, fixed=fixed))
+        with _flattest_named(V, F):
+            V = rescale(solve.implicit_step(V, L, mass(V, F), step * length**2, fixed=fixed))
         yield k / iterations, V
 
 
@@ -201,7 +203,7 @@ def regularised(
     keep_volume: bool = False,
     fixed: ArrayLike | None = None,
 ) -> Iterator[tuple[float, Floats]]:
-    """Quadratic regularisation, as the original report's conclusion proposes it, as an iterator.
+    """Quadratic regularisation, as the original report proposes it, as an iterator: one solution.
 
     The minimiser of |V' - V|_M^2 + lambda E(V'), with a penalty on the gradient
     or, of second order, on the Laplacian:
@@ -233,7 +235,24 @@ def regularised(
         m = M.diagonal()
         inverse = np.divide(1.0, m, out=np.zeros_like(m), where=m > 0)
         L = L @ diags_array(inverse) @ L
-    yield 1.0, rescale(solve.implicit_step(V, L, M, lam * length ** (2 * order), fixed=fixed))
+    with _flattest_named(V, F):
+        V = rescale(solve.implicit_step(V, L, M, lam * length ** (2 * order), fixed=fixed))
+    yield 1.0, V
+
+
+@contextmanager
+def _flattest_named(V: Floats, F: Integers) -> Iterator[None]:
+    """Where a system cannot be solved, name the triangle that is most likely why."""
+    try:
+        yield
+    except solve.SolveError as error:
+        T = Triangles(V, F)
+        flattest = int(np.argmin(np.where(T.degenerate, np.inf, T.flatness)))
+        raise solve.SolveError(
+            f"{error}. The flattest face is {flattest}, with vertices {F[flattest].tolist()}: its "
+            f"height is {T.flatness[flattest]:.2g} of its longest edge; move or drop what is so "
+            'flat, or take weights="combinatorial"'
+        ) from None
 
 
 def _edge_weights(V: Floats, F: Integers | Edges, kind: str) -> csr_array:

@@ -47,7 +47,7 @@ def guided_normal(
     vertex_iterations: int = 10,
     fixed: ArrayLike | None = None,
 ) -> Iterator[tuple[float, Floats]]:
-    """Guided mesh normal filtering [Zhang15]_, as an iterator.
+    """Guided normal filtering [Zhang15]_, as an iterator: patches tell which normals are similar.
 
     A joint bilateral filter: the weights
 
@@ -157,7 +157,8 @@ def guidance(patches: Patches, N: Floats, area: Floats) -> Floats:
     strongest, total = np.zeros(len(N)), np.bincount(patch, difference[e], len(N))
     np.maximum.at(strongest, patch, difference[e])
     H = widest_differences(R, N) * strongest / (FLAT + total)
-    mean = normalised(R.astype(bool) @ (area[:, None] * N))
+    member = R.astype(bool)
+    mean = normalised(member @ (area[:, None] * N), member @ area)
     return mean[_least_around(R, H)]
 
 

@@ -39,7 +39,7 @@ from meshfair.filters.neighbourhoods import (
     face_rings,
     squared_distances,
 )
-from meshfair.mesh import boundary_vertices, face_shapes
+from meshfair.mesh import boundary_vertices, face_shapes, normalised
 from meshfair.mesh.geometry import incidence
 
 
@@ -53,7 +53,7 @@ def sun(
     fix_boundary: bool = True,
     fixed: ArrayLike | None = None,
 ) -> Iterator[tuple[float, Floats]]:
-    """Fast and effective feature-preserving denoising [Sun07]_, as an iterator.
+    """Fast, feature-preserving denoising [Sun07]_, as an iterator: similar normals are averaged.
 
     The weights are, over the faces that share a vertex with face i, itself
     among them,
@@ -95,7 +95,7 @@ def bilateral_normal(
     fix_boundary: bool = True,
     fixed: ArrayLike | None = None,
 ) -> Iterator[tuple[float, Floats]]:
-    """Bilateral normal filtering, the local scheme [Zheng11]_, as an iterator.
+    """Bilateral normal filtering [Zheng11]_, as an iterator: near and similar normals are averaged.
 
     The weights are, over the faces j that share a vertex with face i, but not
     for face i itself,
@@ -250,10 +250,10 @@ def joint_bilateral(S: csr_array, N: Floats, G: Floats, sigma_normal: float) -> 
 
 
 def _mean_directions(w: Floats, near: csr_array, N: Floats) -> Floats:
-    """sum_j w_ij n_j, normalised; where that is zero, n_i as it was."""
-    mean = csr_array((w, near.indices, near.indptr), shape=near.shape) @ N
-    length = np.linalg.norm(mean, axis=1, keepdims=True)
-    return np.divide(mean, length, out=N.copy(), where=length > 0)
+    """sum_j w_ij n_j, normalised; where these cancel, n_i as it was."""
+    W = csr_array((w, near.indices, near.indptr), shape=near.shape)
+    mean = normalised(W @ N, W.sum(axis=1))
+    return np.where(mean.any(axis=1, keepdims=True), mean, N)
 
 
 def move_vertices(V: Floats, F: Integers, B: csr_array, N: Floats, fixed: Booleans) -> Floats:

@@ -19,3 +19,9 @@ def file_error(place: str, found: str, expected: str, advice: str = DAMAGED) -> 
 def quoted(data: Any) -> str:
     """The beginning of some bytes of a file, fit for a message of one line."""
     return repr(bytes(data[:40]).decode("utf-8", "replace"))
+
+
+def one_line(error: BaseException) -> str:
+    """What another library says, fit for a message of one line."""
+    words = " ".join(str(error).split())
+    return "".join(c if c.isprintable() else "\ufffd" for c in words)[:200]

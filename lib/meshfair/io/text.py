@@ -5,7 +5,8 @@ import copy
 import re
 import warnings
 from collections.abc import Sequence
-from typing import Any, NoReturn, Self
+from itertools import pairwise
+from typing import Any, NoReturn, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,18 +14,42 @@ from numpy.typing import NDArray
 from meshfair.checks import Booleans, Floats, Integers
 from meshfair.io.errors import DAMAGED, file_error, quoted
 
-COMMENT = re.compile(rb"#[^\n]*")
+# At the start of a line, or after a blank: in 1.#QNAN, as C prints NaN on Windows, is none.
+COMMENT = re.compile(rb"#(?<!\S#)[^\n]*")
 
 
-def normalised_text(data: bytes) -> bytes:
+def normalised_text(data: bytes, *, comments: bool) -> bytes:
     """Text with line feeds around every line, without byte-order mark and comments.
 
-    Comments become blanks and no line is joined or dropped, so that what is
-    found in the text can be named by its line in the file. The last line has two
-    line feeds: one is left where the other is joined to the next line.
+    No line is joined or dropped, so that what is found in the text can be named by
+    its line in the file; and byte k of the file is byte k + 1 of the text, so that
+    it can be found there. The last line has two line feeds: one is left where the
+    other is joined to the next line.
+
+    Parameters
+    ----------
+    data : bytes
+    comments : bool
+        Whether ``#`` begins a comment in this format; it is replaced by blanks.
     """
-    data = data.removeprefix(codecs.BOM_UTF8).replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-    return b"\n%b\n\n" % COMMENT.sub(lambda comment: b" " * len(comment[0]), data)
+    if data.startswith(codecs.BOM_UTF8):
+        data = blanked(codecs.BOM_UTF8) + data[len(codecs.BOM_UTF8) :]
+    data = data.replace(b"\r\n", b"\n ").replace(b"\r", b"\n")
+    if comments:
+        data = COMMENT.sub(lambda comment: b" " * len(comment[0]), data)
+    return b"\n%b\n\n" % data
+
+
+def blanked(text: bytes) -> bytes:
+    """As many blanks, in the same lines."""
+    return re.sub(rb"[^\n]", b" ", text)
+
+
+def words_of(text: bytes) -> tuple[Integers, Integers]:
+    """Where each word of a normalised text begins in its file, and how long it is."""
+    blank = is_blank(np.frombuffer(text, np.uint8))
+    edges = np.flatnonzero(blank[1:] != blank[:-1])  # a text begins and ends with a blank
+    return edges[::2], edges[1::2] - edges[::2]
 
 
 def line_at(text: bytes, position: int) -> str:
@@ -36,6 +61,8 @@ def parse_numbers(text: bytes, dtype: type, size: int) -> NDArray[Any] | None:
     """The numbers of a text, or None if it is not exactly ``size`` of them between blanks."""
     if not size:
         return np.empty(0, dtype)  # np.fromstring finds a number where there is none
+    if text.rstrip()[-1:] in (b"+", b"-"):  # it takes a last sign alone for an integer zero
+        return None
     with warnings.catch_warnings():
         # NumPy before 2.3 only warns of a word that is no number.
         warnings.simplefilter("error", DeprecationWarning)
@@ -215,3 +242,23 @@ def _row_sizes(numbers: Floats, tables: Sequence[tuple[int, Sequence[bool]]]) ->
 def encode_rows(pattern: str, values: NDArray[Any]) -> bytes:
     """One line for each row of an array; %r writes a number so that it reads back the same."""
     return (pattern * len(values) % tuple(values.ravel().tolist())).encode()
+
+
+Ragged: TypeAlias = tuple[NDArray[Any], Integers]
+"""Some values of each row, one row after another; and how many each row has."""
+
+
+def encode_ragged(*columns: Ragged) -> bytes:
+    """One line for each row, of the values of all columns; see `encode_rows`."""
+    return b"".join(
+        b" ".join(parts) + b"\n" for parts in zip(*map(_ragged_rows, columns), strict=True)
+    )
+
+
+def _ragged_rows(column: Ragged) -> list[bytes]:
+    values, counts = column
+    words = values.tolist()
+    if values.dtype.kind != "S":
+        words = ("%r " * len(words) % tuple(words)).encode().split()
+    ends = np.cumsum(counts).tolist()
+    return [b" ".join(words[a:b]) for a, b in pairwise([0, *ends])]

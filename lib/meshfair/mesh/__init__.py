@@ -4,7 +4,8 @@
 triangles; ``topology``, ``geometry``, ``boundary`` and ``dihedral`` hold the facts,
 ``ordering`` the numbering of vertices; ``inspection`` says what is wrong, in the words
 of ``findings``, and ``report`` shows it with the ``advice`` on it; ``repair`` repairs
-it, and ``clustering`` does damage on purpose.
+it, ``joining`` joins for the time of some work what lies together, and ``clustering``
+does damage on purpose. ``objects`` takes the meshes of other libraries.
 """
 
 from meshfair.mesh.boundary import boundary_edges, boundary_vertices
@@ -26,6 +27,8 @@ from meshfair.mesh.geometry import (
     volume,
 )
 from meshfair.mesh.inspection import inspect
+from meshfair.mesh.joining import Joined, join
+from meshfair.mesh.objects import arrays, moved, takes_meshes
 from meshfair.mesh.ordering import reorder, restore_order
 from meshfair.mesh.repair import Repaired, Step, repair
 from meshfair.mesh.report import Inspection
@@ -36,10 +39,12 @@ __all__ = [
     "Finding",
     "Inspection",
     "InteriorEdges",
+    "Joined",
     "Repaired",
     "Step",
     "Triangles",
     "area",
+    "arrays",
     "boundary_edges",
     "boundary_vertices",
     "cluster",
@@ -54,12 +59,15 @@ __all__ = [
     "inspect",
     "interior_edges",
     "is_closed",
+    "join",
     "mean_edge_length",
+    "moved",
     "normalised",
     "reorder",
     "repair",
     "restore_order",
     "scatter",
+    "takes_meshes",
     "unique_faces",
     "vertex_normals",
     "volume",

@@ -23,7 +23,8 @@ ADVICE = {
         "mesh.repair(V, F, unreferenced=True)",
     ),
     "duplicate_vertices": Advice(
-        "they are no neighbours, so the surface is cut there: noise and every flow tear it open",
+        "they are no neighbours, so that weights and the flows made of them tear the surface open "
+        "there; denoise, filters and noise move copies along a seam as one",
         "mesh.repair(V, F, weld=0), unless the cut is meant",
     ),
     "duplicate_faces": Advice(
@@ -47,7 +48,7 @@ ADVICE = {
         "mesh.repair(V, F, duplicates=True, split=True), or intrinsic.cotangent",
     ),
     "nonmanifold_vertices": Advice(
-        "all weights connect surfaces that only touch there, and mesh.vertex_normals mixes them",
+        "all weights connect surfaces that only touch there, and mesh.vertex_normals mix them",
         "mesh.repair(V, F, split=True)",
     ),
     "inconsistent_edges": Advice(

@@ -1,6 +1,5 @@
 """The elements of a triangle mesh: one structure of its edges, one measure of its triangles."""
 
-import warnings
 from functools import cached_property
 from typing import Any, Self
 
@@ -10,14 +9,16 @@ from scipy.sparse import coo_array, csr_array
 
 from meshfair import _fast
 from meshfair.checks import (
+    CANCELLED,
     DEGENERATE,
+    ROUNDED,
     Booleans,
     Floats,
     Integers,
     MeshError,
-    MeshWarning,
     check_faces,
     check_mesh,
+    warn,
 )
 from meshfair.mesh.duplicates import unique_faces
 
@@ -117,7 +118,7 @@ class Edges:
 
     @property
     def of_half_edge(self) -> Integers:
-        """The edge that each of the grouped half-edges lies on."""
+        """The edge that each of the grouped half-edges lies on; int64, shape (3m',)."""
         return np.repeat(np.arange(len(self)), self.faces_of_edge)
 
     @cached_property
@@ -251,12 +252,25 @@ class Triangles:
         return np.ascontiguousarray(((A + B + C) / 3).T)
 
     @cached_property
-    def degenerate(self) -> Booleans:
-        """Which have no area to speak of, see `degenerate_faces`; shape (m,)."""
+    def _longest(self) -> Floats:
+        """Squared length of the longest edge; shape (m,)."""
         # An edge's squared length is the sum of the dot products at its two ends.
         dots = self._dots
-        longest = np.maximum(np.maximum(dots[0] + dots[1], dots[1] + dots[2]), dots[2] + dots[0])
-        return self.doubled_area <= DEGENERATE * longest
+        return np.maximum(np.maximum(dots[0] + dots[1], dots[1] + dots[2]), dots[2] + dots[0])
+
+    @property
+    def flatness(self) -> Floats:
+        """Height over the longest edge, as a part of it; 0 for a point; shape (m,)."""
+        area, longest = self.doubled_area, self._longest
+        return np.divide(area, longest, out=np.zeros_like(area), where=longest > 0)
+
+    @cached_property
+    def degenerate(self) -> Booleans:
+        """Which have no area to speak of, see `degenerate_faces`; shape (m,)."""
+        longest = self._longest
+        largest = np.max([np.abs(X).max(axis=0) for X in self._corners], axis=0)
+        rounded = ROUNDED * largest * np.sqrt(longest)
+        return self.doubled_area <= np.maximum(DEGENERATE * longest, rounded)
 
     @cached_property
     def cotangents(self) -> Floats:
@@ -281,18 +295,29 @@ def warn_of_degenerate_faces(V: Floats, F: Integers, effect: str) -> None:
     """
     degenerate = Triangles(V, F).degenerate
     if degenerate.any():
-        warnings.warn(
+        warn(
             f"{degenerate.sum()} of {len(F)} faces are degenerate (the first has vertices "
-            f"{F[degenerate][0].tolist()}); they {effect}",
-            MeshWarning,
-            stacklevel=3,
+            f"{F[degenerate][0].tolist()}); they {effect}"
         )
 
 
-def normalised(X: Floats) -> Floats:
-    """Rows of length one; a row of zeros, which has no direction, stays zero."""
+def normalised(X: Floats, total: Floats | None = None) -> Floats:
+    """Rows of length one; a row without a direction becomes zero.
+
+    Parameters
+    ----------
+    X : ndarray of float64, shape (m, 3)
+    total : ndarray of float64, shape (m,), optional
+        Where the rows are sums of vectors: the sums of their lengths. Vectors that
+        cancel leave rounding, and no direction.
+
+    Returns
+    -------
+    ndarray of float64, shape (m, 3)
+    """
     length = np.linalg.norm(X, axis=1, keepdims=True)
-    return np.divide(X, length, out=np.zeros_like(X), where=length > 0)
+    least = 0.0 if total is None else CANCELLED * total[:, None]
+    return np.divide(X, length, out=np.zeros_like(X), where=length > least)
 
 
 def _dot(u: Floats, v: Floats) -> Floats:

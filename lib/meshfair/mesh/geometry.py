@@ -51,10 +51,11 @@ def vertex_normals(V: ArrayLike, F: ArrayLike) -> Floats:
     Returns
     -------
     ndarray of float64, shape (n, 3)
-        Unit vectors; zero at a vertex without faces.
+        Unit vectors; zero at a vertex without faces, and where normals cancel.
     """
     V, F = check_mesh(V, F)
-    return normalised(scatter(Triangles(V, F).area_vectors, F, len(V)))
+    T, B = Triangles(V, F), incidence(F, len(V))
+    return normalised(B @ T.area_vectors, B @ T.area)
 
 
 def scatter(X: Floats, F: Integers, n: int) -> Floats:
@@ -122,9 +123,15 @@ def face_shapes(V: Floats, F: Integers) -> tuple[Floats, Floats, Floats]:
 def edge_lengths(V: ArrayLike, F: ArrayLike) -> Floats:
     """Lengths of the edges, each edge once, in the order of `Edges`.
 
+    Parameters
+    ----------
+    V : array_like, shape (n, 3)
+    F : array_like of integers, shape (m, 3)
+
     Returns
     -------
     ndarray of float64, shape (k,)
+        In the units of ``V``.
     """
     V, F = check_mesh(V, F)
     return Edges(F, len(V)).lengths(V)
@@ -165,13 +172,25 @@ def degenerate_faces(V: ArrayLike, F: ArrayLike) -> Booleans:
     Returns
     -------
     ndarray of bool, shape (m,)
-        True where the height over the longest edge is at most 1e-12 of it.
+        True where the height over the longest edge is at most 1e-12 of it, or no more than
+        the rounding of the corners' coordinates makes of three points on a line.
     """
     return Triangles(V, F).degenerate
 
 
 def area(V: ArrayLike, F: ArrayLike) -> float:
-    """Area of the surface, in squared units of length."""
+    """Area of the surface: the sum over all faces.
+
+    Parameters
+    ----------
+    V : array_like, shape (n, 3)
+    F : array_like of integers, shape (m, 3)
+
+    Returns
+    -------
+    float
+        In squared units of length.
+    """
     return float(face_areas(V, F).sum())
 
 
@@ -179,8 +198,8 @@ def volume(V: ArrayLike, F: ArrayLike) -> float:
     """Signed volume that a closed mesh encloses, in cubed units of length.
 
     The sum of the signed volumes of the tetrahedra that the faces span with
-    the vertices' centre (the divergence theorem). On an open mesh it is the
-    volume of the cone over the surface from that centre.
+    the centre of their vertices (the divergence theorem). On an open mesh it is
+    the volume of the cone over the surface from that centre.
 
     Parameters
     ----------
@@ -193,5 +212,6 @@ def volume(V: ArrayLike, F: ArrayLike) -> float:
         Positive where the faces are counter-clockwise seen from outside.
     """
     V, F = check_mesh(V, F)
-    X = V - V.mean(axis=0)  # keeps the sum accurate far from the origin
+    # Keeps the sum accurate far from the origin.
+    X = V - V[np.unique(F)].mean(axis=0)
     return float(np.einsum("ij,ij->", X[F[:, 0]], Triangles(X, F).area_vectors) / 3)

@@ -9,6 +9,7 @@ from meshfair.checks import Floats, Integers, check_mesh
 from meshfair.mesh.duplicates import duplicate_faces, duplicate_rows
 from meshfair.mesh.elements import Edges, Triangles
 from meshfair.mesh.findings import KINDS, SLIVER, Finding
+from meshfair.mesh.objects import takes_meshes
 from meshfair.mesh.report import Inspection
 from meshfair.mesh.topology import (
     boundary_loops,
@@ -26,6 +27,7 @@ SLIVER_COTANGENT = 1 / np.tan(np.radians(SLIVER))
 NEGATIVE = -1e-10
 
 
+@takes_meshes
 def inspect(V: ArrayLike, F: ArrayLike) -> Inspection:
     """Find out what a mesh is, and what is wrong with it.
 

@@ -17,6 +17,7 @@ from meshfair.checks import (
 from meshfair.mesh.duplicates import duplicate_faces, first_equal
 from meshfair.mesh.elements import Edges
 from meshfair.mesh.geometry import degenerate_faces, mean_edge_length
+from meshfair.mesh.objects import takes_meshes
 from meshfair.mesh.topology import (
     HalfEdgePairs,
     Orientation,
@@ -61,6 +62,7 @@ class Repaired(NamedTuple):
     """One step for each thing asked for, in the order in which they were done."""
 
 
+@takes_meshes
 def repair(
     V: ArrayLike,
     F: ArrayLike,
@@ -197,7 +199,7 @@ def _drop_faces(F: Integers, drop: Booleans, name: str, which: str) -> tuple[Int
     """The faces that stay, and the step."""
     count = int(drop.sum())
     if count == len(F):
-        raise MeshError(f"all {count:,} faces are {which}, so {name} would leave no mesh")
+        raise MeshError(f"every face is {which}, so {name} would leave no mesh")
     return F[~drop], Step(name, count, f"dropped {count:,} faces {which}")
 
 

@@ -1,5 +1,6 @@
 """What `inspect` found, and how it is reported: as text, in a notebook, as JSON."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from html import escape
 from textwrap import fill
@@ -68,8 +69,24 @@ class Inspection:
             "findings": [_finding_as_dict(finding) for finding in self.findings],
         }
 
+    def as_text(self, words: Callable[[str], str] = str, width: int = 88) -> str:
+        """The facts in two columns, then each finding with its advice.
+
+        Parameters
+        ----------
+        words : function, optional
+            From the advice as the package gives it, in Python, to other words.
+        width : int
+            Of the lines of the advice.
+
+        Returns
+        -------
+        str
+        """
+        return _text(self, words, width)
+
     def __str__(self) -> str:
-        return _text(self)
+        return self.as_text()
 
     def _repr_html_(self) -> str:
         return _html(self)
@@ -121,24 +138,23 @@ def _label(finding: Finding) -> str:
     return "problem" if finding.problem else "note"
 
 
-def _text(inspection: Inspection) -> str:
-    """The facts in two columns, then each finding with its advice."""
+def _text(inspection: Inspection, words: Callable[[str], str], width: int) -> str:
     facts = _facts(inspection)
-    width = max(len(name) for name, _ in facts)
-    lines = [f"{name:<{width}}  {value}" for name, value in facts]
+    column = max(len(name) for name, _ in facts)
+    lines = [f"{name:<{column}}  {value}" for name, value in facts]
     lines += ["", _verdict(inspection)]
     for finding in inspection.findings:
         affects, remedy = ADVICE[finding.kind]
         lines += [
             f"{_label(finding)}: {finding}",
-            _wrapped("  affects: ", affects),
-            _wrapped("  helps:   ", remedy),
+            _wrapped("  affects: ", words(affects), width),
+            _wrapped("  helps:   ", words(remedy), width),
         ]
     return "\n".join(lines)
 
 
-def _wrapped(label: str, text: str) -> str:
-    return fill(text, 88, initial_indent=label, subsequent_indent=" " * len(label))
+def _wrapped(label: str, text: str, width: int) -> str:
+    return fill(text, width, initial_indent=label, subsequent_indent=" " * len(label))
 
 
 def _html(inspection: Inspection) -> str:

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array
 
 from meshfair.checks import Booleans, Integers, check_faces
-from meshfair.mesh.elements import Edges
+from meshfair.mesh.elements import Edges, half_edges
 
 
 def topologically_degenerate(F: Integers) -> Booleans:
@@ -123,6 +123,25 @@ class HalfEdgePairs(NamedTuple):
     """Whether the two run in opposite directions, as in faces of one orientation."""
     edge: Integers
     """The edge they lie on, shape (k,)."""
+
+
+def orientations_agree(F: Integers, n: int) -> bool:
+    """Whether no two half-edges run the same way, as where neighbours have one orientation.
+
+    Parameters
+    ----------
+    F : ndarray of int64, shape (m, 3)
+    n : int
+        Number of vertices.
+
+    Returns
+    -------
+    bool
+        False also where an edge has more than two faces, and at duplicate faces.
+    """
+    tail, tip = half_edges(F).T
+    keys = np.sort(tail * n + tip)
+    return not np.any(keys[1:] == keys[:-1])
 
 
 def half_edge_pairs(F: Integers, edges: Edges) -> HalfEdgePairs:

@@ -25,18 +25,25 @@ class Backend(Protocol):
     def refresh(self, panels: Iterable[int]) -> None:
         """Draw some panels again: their meshes, values, titles, or the colour bar changed."""
 
-    def camera_moved(self) -> None:
-        """Draw all panels again: the view's camera changed."""
+    def camera_moved(self, panels: Iterable[int] = ()) -> None:
+        """Draw all panels again: the view's camera changed, and in some their meshes."""
 
 
 class Shown(Protocol):
-    """What a back end reads of its view, and the two things that a page asks of it."""
+    """What a back end reads of its view, and what a page asks of it.
 
-    panels: list[Panel]
+    It draws panels that are placed, see `meshfair.viewer.placement`.
+    """
+
+    placed: list[Panel]
     titles: list[str]
     label: str
     up: Floats
     camera: Camera
+
+    @property
+    def placed_camera(self) -> Camera:
+        """The camera that sees the placed panels."""
 
     @property
     def scale(self) -> Scale | None:
@@ -47,3 +54,6 @@ class Shown(Protocol):
 
     def reset(self) -> None:
         """The page asks for the first camera again."""
+
+    def click(self, panel: int, x: float, y: float) -> None:
+        """Somebody has clicked on a panel; x and y are from -1 to 1."""

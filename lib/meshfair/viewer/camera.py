@@ -7,9 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meshfair.checks import Floats, check_direction, check_number, check_vertices
+from meshfair.checks import (
+    Floats,
+    check_direction,
+    check_number,
+    check_point,
+    check_vertices,
+)
 
 FIELD_OF_VIEW = 25.0  # degrees, vertical: long enough a lens to keep proportions
+AXES = np.array([[0.0, 0, 1], [0, 1, 0], [1, 0, 0]])  # what is up, where nothing else says
 POLE = np.radians(3)  # how close an orbit comes to looking straight down, where up has no meaning
 
 Point = tuple[float, float, float]
@@ -20,6 +27,11 @@ def _unit(x: ArrayLike) -> Floats:
     return x / np.linalg.norm(x)
 
 
+def _parallel(a: Floats, b: Floats) -> bool:
+    """Whether two unit vectors have no direction across both, but for rounding."""
+    return bool(np.linalg.norm(np.cross(a, b)) < 1e-9)
+
+
 def _point(x: Floats) -> Point:
     a, b, c = x.tolist()
     return a, b, c
@@ -27,11 +39,31 @@ def _point(x: Floats) -> Point:
 
 @dataclass(frozen=True)
 class Camera:
-    """Where a picture is taken from, in the units of the mesh."""
+    """Where a picture is taken from, in the units of the mesh.
+
+    Parameters
+    ----------
+    position, target : three floats
+        Where it stands, and what it looks at.
+    up : three floats
+        What is up in the picture.
+
+    Raises
+    ------
+    ValueError
+        No such points, one place for both, or an ``up`` along which the camera looks.
+    """
 
     position: Point
     target: Point
     up: Point
+
+    def __post_init__(self) -> None:
+        for name in ("position", "target", "up"):
+            object.__setattr__(self, name, check_point(getattr(self, name), name))
+        back = check_direction(np.subtract(self.position, self.target), "position - target")
+        if _parallel(check_direction(self.up, "up"), back):
+            raise ValueError(f"up is {self.up}, along which the camera looks; turn it")
 
     @classmethod
     def around(
@@ -51,7 +83,8 @@ class Camera:
         direction : three floats
             From the mesh towards the camera.
         up : three floats
-            What is up in the picture, not parallel to ``direction``.
+            What is up in the picture. Where it is parallel to ``direction``, which has no
+            meaning, that one of the axes z, y and x stands up that is most across.
         aspect : float
             Width over height of the picture.
         margin : float
@@ -64,19 +97,21 @@ class Camera:
         Raises
         ------
         MeshError, ValueError
-            No vertices; directions that are none, or parallel; ``aspect`` or
-            ``margin`` out of their bounds.
+            No vertices; directions that are none; ``aspect`` or ``margin`` out of
+            their bounds.
         """
         V = check_vertices(V)
         back, upright = check_direction(direction, "direction"), check_direction(up, "up")
+        if _parallel(upright, back):
+            upright = min(AXES, key=lambda axis: round(abs(float(back @ axis)), 6))
         right = np.cross(upright, back)
-        if np.linalg.norm(right) < 1e-9:
-            raise ValueError(f"up is {up!r}, parallel to direction {direction!r}; turn one of them")
         aspect = check_number(aspect, "aspect", 0, open_low=True)
         margin = check_number(margin, "margin", 0, 0.9)
         right = _unit(right)
         axes = np.stack([right, np.cross(back, right), back])
-        X = V @ axes.T
+        # Around their middle, lest far from the origin their digits be lost.
+        middle = V.min(axis=0) / 2 + V.max(axis=0) / 2
+        X = (V - middle) @ axes.T
         tan = np.tan(np.radians(FIELD_OF_VIEW) / 2) * (1 - margin) * np.array([aspect, 1.0])
         # A vertex is in the picture while |x - target| <= (distance - depth) tan, on
         # both sides of each axis; the tightest pair of sides sets target and distance.
@@ -85,7 +120,9 @@ class Camera:
         distance = ((high - low) / (2 * tan)).max()
         x, y = (high + low) / 2
         depth = (X[:, 2].max() + X[:, 2].min()) / 2
-        position, target = np.array([[x, y, distance], [x, y, depth]]) @ axes
+        if distance <= depth:  # one point, seen from nearby for want of a size
+            distance = depth + max(1.0, 1e-6 * float(np.abs(V).max()))
+        position, target = middle + np.array([[x, y, distance], [x, y, depth]]) @ axes
         return cls(_point(position), _point(target), _point(axes[1]))
 
     @property
@@ -110,14 +147,22 @@ class Camera:
         Returns
         -------
         Camera
+
+        Raises
+        ------
+        ValueError
+            Angles that are no finite numbers, or no axis.
         """
-        axis = _unit(axis)
+        yaw = check_number(yaw, "yaw", -np.inf)
+        pitch = check_number(pitch, "pitch", -np.inf)
+        axis = check_direction(axis, "axis")
         offset = np.subtract(self.position, self.target)
         distance = np.linalg.norm(offset)
         back = offset / distance
-        polar = np.clip(np.arccos(back @ axis) - pitch, POLE, np.pi - POLE)
-        right = _unit(np.cross(axis, back))
-        front = np.cross(right, axis)
+        polar = np.clip(np.arccos(np.clip(back @ axis, -1, 1)) - pitch, POLE, np.pi - POLE)
+        # Straight above or below, the picture's own right is as good as any.
+        right = self.axes[0] if _parallel(axis, back) else _unit(np.cross(axis, back))
+        front = _unit(np.cross(right, axis))
         front = np.cos(yaw) * front + np.sin(yaw) * right
         back = np.cos(polar) * axis + np.sin(polar) * front
         up = _unit(axis - (axis @ back) * back)
@@ -129,7 +174,13 @@ class Camera:
         Returns
         -------
         Camera
+
+        Raises
+        ------
+        ValueError
+            Shares that are no finite numbers.
         """
+        x, y = check_number(x, "x", -np.inf), check_number(y, "y", -np.inf)
         right, up, _ = self.axes
         distance = np.linalg.norm(np.subtract(self.position, self.target))
         height = 2 * distance * np.tan(np.radians(FIELD_OF_VIEW) / 2)
@@ -142,6 +193,33 @@ class Camera:
         Returns
         -------
         Camera
+
+        Raises
+        ------
+        ValueError
+            A factor that is no finite number above 0.
         """
+        factor = check_number(factor, "factor", 0, open_low=True)
         offset = np.subtract(self.position, self.target)
         return Camera(_point(self.target + factor * offset), self.target, self.up)
+
+    def follow(self, before: Camera, after: Camera) -> Camera:
+        """See as much of what another camera sees now as this one saw of what it saw before.
+
+        Parameters
+        ----------
+        before, after : Camera
+            The other camera: where this one stands to it, and at what scale, stays.
+
+        Returns
+        -------
+        Camera
+        """
+        size = np.linalg.norm(np.subtract(after.position, after.target)) / np.linalg.norm(
+            np.subtract(before.position, before.target)
+        )
+        position, target = (
+            after.target + size * np.subtract(point, before.target)
+            for point in (self.position, self.target)
+        )
+        return Camera(_point(position), _point(target), self.up)

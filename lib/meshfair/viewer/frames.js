@@ -10,8 +10,13 @@
 
 const RETRY = 3000; // ms until a first frame that did not come is asked for again
 const REST = 250; // ms without a new frame until good frames are asked for
+const STILL = 3; // pixels up to which a press that moves is a click
 const SCROLL = 400; // ms within which a wheel goes on scrolling the page
-const HINT = "drag to turn · shift-drag to move · wheel to zoom";
+const PATIENCE = 4000; // ms until an answer is missed
+const TOUCHES = ["pointerdown", "keydown", "change"];
+const GONE =
+  "Python does not answer. If the kernel was restarted, run this cell again; if it is busy, wait.";
+const HINT = "drag or arrow keys: turn · shift-drag: move · wheel or + -: zoom · R: reset";
 
 function element(name, className, parent) {
   const node = document.createElement(name);
@@ -26,32 +31,29 @@ function background(node) {
   return channels.slice(0, 3).map((channel) => channel / 255);
 }
 
-function pause(milliseconds) {
-  return new Promise((resolve) => setTimeout(resolve, milliseconds));
+function distance(one, other) {
+  return Math.hypot(one.clientX - other.clientX, one.clientY - other.clientY);
 }
 
-/** A number for people: three digits that count. */
-function tidy(number) {
-  const size = Math.abs(number);
-  if (size !== 0 && (size < 1e-3 || size >= 1e5)) return number.toExponential(1);
-  return String(Number(number.toPrecision(3)));
+function pause(milliseconds) {
+  return new Promise((resolve) => setTimeout(resolve, milliseconds));
 }
 
 class Bar {
   constructor(parent) {
     this.node = element("span", "bar", parent);
+    this.label = element("span", "label", this.node);
     this.low = element("span", "low", this.node);
     this.colours = element("i", "", this.node);
     this.high = element("span", "high", this.node);
-    this.label = element("span", "label", this.node);
     this.show(null);
   }
 
   show(bar) {
     this.node.hidden = !bar;
     if (!bar) return;
-    this.low.textContent = tidy(bar.low);
-    this.high.textContent = tidy(bar.high);
+    this.low.textContent = bar.low;
+    this.high.textContent = bar.high;
     this.label.textContent = bar.label;
     this.colours.style.background = `linear-gradient(to right, ${bar.stops.join(",")})`;
   }
@@ -94,25 +96,78 @@ class Moves {
   }
 }
 
+/** Notices that Python answers nothing any more: its kernel was restarted, has gone, or is busy. */
+class Pulse {
+  constructor(model, el, tell) {
+    this.model = model;
+    this.tell = tell;
+    this.timer = 0;
+    this.silent = false;
+    // Whatever is done to the view, or to the sliders of the explorer that it is part of.
+    this.touched = (event) => {
+      const whole = el.closest(".meshfair-explorer") ?? el;
+      if (whole.contains(event.target)) this.ask();
+    };
+    for (const kind of TOUCHES) document.addEventListener(kind, this.touched, true);
+  }
+
+  ask() {
+    if (this.timer) return;
+    this.timer = setTimeout(() => {
+      this.timer = 0;
+      this.silent = true;
+      this.tell(GONE);
+    }, PATIENCE);
+    try {
+      this.model.send({ kind: "ping" });
+    } catch {
+      // Without a kernel nothing can be sent; the timer tells.
+    }
+  }
+
+  answered() {
+    clearTimeout(this.timer);
+    this.timer = 0;
+    if (this.silent) this.tell("");
+    this.silent = false;
+  }
+
+  stop() {
+    clearTimeout(this.timer);
+    for (const kind of TOUCHES) document.removeEventListener(kind, this.touched, true);
+  }
+}
+
 /** Turns pointer, wheel and keys on one panel into moves. */
-function control(stage, moves, reset) {
+function control(stage, moves, reset, click) {
   let last = null;
+  let pressed = null; // where, until the pointer has been dragged away from there
   let scrolled = -Infinity; // when the wheel last moved the page
 
   stage.addEventListener("pointerdown", (event) => {
     stage.setPointerCapture(event.pointerId);
     stage.focus({ preventScroll: true });
     last = event;
+    pressed = event.button === 0 && !event.shiftKey ? event : null;
     event.preventDefault();
   });
   stage.addEventListener("pointermove", (event) => {
     if (!last || event.pointerId !== last.pointerId) return;
+    if (pressed && distance(event, pressed) <= STILL) return; // still a click
+    pressed = null;
     const x = (event.clientX - last.clientX) / stage.clientHeight;
     const y = (event.clientY - last.clientY) / stage.clientHeight;
     last = event;
     const sliding = event.shiftKey || event.buttons & 6;
     // One height of the panel is half a turn.
     moves.add(sliding ? { pan: [-x, y] } : { yaw: -x * Math.PI, pitch: y * Math.PI });
+  });
+  stage.addEventListener("pointerup", (event) => {
+    if (!pressed) return;
+    pressed = null;
+    const box = stage.getBoundingClientRect();
+    const x = (2 * (event.clientX - box.left)) / box.width - 1;
+    click(x, 1 - (2 * (event.clientY - box.top)) / box.height);
   });
   for (const end of ["pointerup", "pointercancel"]) {
     stage.addEventListener(end, () => (last = null));
@@ -163,7 +218,7 @@ function render({ model, el }) {
   const reset = () => model.send({ kind: "reset" });
 
   const row = element("div", "panels", el);
-  const panels = Array.from({ length: model.get("count") }, () => {
+  const panels = Array.from({ length: model.get("count") }, (_, panel) => {
     const figure = element("figure", "", row);
     const caption = element("figcaption", "", figure);
     const stage = element("div", "stage", figure);
@@ -173,7 +228,8 @@ function render({ model, el }) {
     const picture = element("img", "", stage);
     picture.draggable = false;
     picture.alt = "";
-    return { caption, stage, picture, release: control(stage, moves, reset) };
+    const click = (x, y) => model.send({ kind: "click", panel, x, y });
+    return { caption, stage, picture, release: control(stage, moves, reset, click) };
   });
 
   const foot = element("div", "foot", el);
@@ -184,16 +240,15 @@ function render({ model, el }) {
   const bar = new Bar(foot);
   const error = element("span", "error", foot);
 
+  const pulse = new Pulse(model, el, (text) => {
+    error.textContent = text;
+    el.classList.toggle("silent", text !== "");
+  });
+
   let resting = 0;
-  const receive = async (message, buffers) => {
-    if (message.kind === "error") {
-      error.textContent = message.text;
-      moves.answered();
-      return;
-    }
-    if (message.kind !== "frame") return;
-    clearInterval(asking);
+  const show = async (message, buffers) => {
     error.textContent = "";
+    bar.show(message.bar);
     await Promise.all(
       message.panels.map(async (k, i) => {
         const { caption, stage, picture } = panels[k];
@@ -208,9 +263,25 @@ function render({ model, el }) {
         stage.dataset.draft = message.draft;
       }),
     );
-    bar.show(message.bar);
-    model.send({ kind: "shown" });
-    moves.answered();
+  };
+  const receive = async (message, buffers) => {
+    if (message.kind === "error") {
+      error.textContent = message.text;
+      moves.answered();
+      return;
+    }
+    pulse.answered();
+    if (message.kind !== "frame") return;
+    clearInterval(asking);
+    try {
+      await show(message, buffers);
+    } catch (failure) {
+      error.textContent = String(failure);
+    } finally {
+      // Whatever became of this frame: without an answer the next would not be sent.
+      model.send({ kind: "shown" });
+      moves.answered();
+    }
     // Good frames of other panels may come meanwhile: they do not put the rest off.
     if (message.draft) {
       clearTimeout(resting);
@@ -244,6 +315,7 @@ function render({ model, el }) {
   return () => {
     clearInterval(asking);
     clearTimeout(resting);
+    pulse.stop();
     size.disconnect();
     theme.disconnect();
     model.off("msg:custom", receive);

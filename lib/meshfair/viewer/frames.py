@@ -23,7 +23,7 @@ from PIL import Image
 from meshfair.viewer import offscreen
 from meshfair.viewer.backend import Shown
 from meshfair.viewer.offscreen import Pixels
-from meshfair.viewer.panel import Scale
+from meshfair.viewer.page import bar
 
 DRAFT, GOOD = 1, 2  # supersampling
 LOST = 5.0  # seconds after which a frame that was not confirmed is given up: its page is gone
@@ -56,7 +56,7 @@ class Frames:
         # The page's: panel size, pixel ratio, background.
         self._layout: dict[str, Any] | None = None
         self.drawn = 0  # number of frames drawn so far
-        self.widget = FramesWidget(count=len(view.panels))
+        self.widget = FramesWidget(count=len(view.placed))
         self.widget.on_msg(self._receive)
 
     def refresh(self, panels: Iterable[int]) -> None:
@@ -65,9 +65,9 @@ class Frames:
             self._wanted.update(dict.fromkeys(panels, DRAFT))
         self._pump()
 
-    def camera_moved(self) -> None:
+    def camera_moved(self, panels: Iterable[int] = ()) -> None:
         """Draw all panels again."""
-        self.refresh(range(len(self._view.panels)))
+        self.refresh(range(len(self._view.placed)))
 
     def _receive(self, widget: Any, message: dict[str, Any], buffers: Any) -> None:
         """Handle a message from the page; on any thread, and quick."""
@@ -86,6 +86,10 @@ class Frames:
             self._pump()
         elif kind == "reset":
             self._view.reset()
+        elif kind == "click":
+            self._view.click(message["panel"], message["x"], message["y"])
+        elif kind == "ping":
+            self.widget.send({"kind": "pong"})
         elif kind == "move":
             camera = self._view.camera.orbit(message["yaw"], message["pitch"], self._view.up)
             self._view.camera = camera.pan(*message["pan"]).zoom(message["zoom"])
@@ -114,12 +118,12 @@ class Frames:
         ratio = min(ratio, LARGEST / max(layout["width"], layout["height"]))
         size = (round(layout["width"] * ratio), round(layout["height"] * ratio))
         try:
-            scale, camera = view.scale, view.camera
+            scale, camera = view.scale, view.placed_camera
             titles = [view.titles[k] for k in panels]
             pictures = [
                 encode(
                     offscreen.scene().draw(
-                        view.panels[k],
+                        view.placed[k],
                         camera,
                         size,
                         slot=k,
@@ -146,11 +150,6 @@ class Frames:
             "bar": scale and bar(scale, view.label),
         }
         self.widget.send(frame, pictures)
-
-
-def bar(scale: Scale, label: str) -> dict[str, Any]:
-    """What the page needs to draw the colour bar."""
-    return {"label": label, "low": scale.low, "high": scale.high, "stops": scale.stops()}
 
 
 def encode(pixels: Pixels, quality: int) -> bytes:

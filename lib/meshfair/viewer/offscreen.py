@@ -3,56 +3,26 @@
 from __future__ import annotations
 
 import functools
-import subprocess
-import sys
 import warnings
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from importlib.util import find_spec
 from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from meshfair.checks import check_choice, check_count, check_mesh, check_values, install
+from meshfair.checks import check_choice, check_flag, check_mesh, check_size, check_values
+from meshfair.mesh import takes_meshes
 from meshfair.viewer.camera import FIELD_OF_VIEW, Camera
+from meshfair.viewer.egl import MISSING_EGL, MISSING_POLYSCOPE, has_egl, has_polyscope
 from meshfair.viewer.painter import paint
-from meshfair.viewer.panel import LINES, SURFACE, Panel, Scale
+from meshfair.viewer.panel import LINES, NONE, SURFACE, Panel, Scale, colors
+from meshfair.viewer.placement import Placement
 
-MISSING_EGL = (
-    "polyscope cannot draw here (no EGL), so meshes are drawn with matplotlib; on Debian or "
-    "Ubuntu install the packages of apt.txt: libx11-6 libegl1 libgl1 libgl1-mesa-dri"
-)
-MISSING_POLYSCOPE = (
-    "polyscope is not installed, so meshes are drawn with matplotlib; for shaded pictures run: "
-    + install("viewer")
-)
+LARGEST = 8192  # pixels of a picture's side, as far as OpenGL's buffers go when it is supersampled
 
 Pixels = NDArray[np.uint8]
 Result = TypeVar("Result")
-
-
-@functools.cache
-def has_egl() -> bool:
-    """Whether polyscope is there, and can draw without a screen on this machine.
-
-    Tried in a process of its own, since a GL library that fails can take the
-    process with it. The answer is kept: about a second, once.
-
-    Returns
-    -------
-    bool
-    """
-    if not has_polyscope():
-        return False
-    trial = f"from {__name__} import Scene; Scene()"
-    finished = subprocess.run([sys.executable, "-c", trial], capture_output=True, timeout=60)
-    return finished.returncode == 0
-
-
-def has_polyscope() -> bool:
-    """Whether polyscope is installed; whether it loads is another question."""
-    return find_spec("polyscope") is not None
 
 
 @functools.cache
@@ -70,6 +40,7 @@ def on_gl_thread(function: Callable[[], Result]) -> Result:
     return gl_thread().submit(function).result()
 
 
+@takes_meshes
 def render(
     V: ArrayLike,
     F: ArrayLike,
@@ -82,6 +53,7 @@ def render(
     smooth: bool = False,
     edges: bool = False,
     quality: int = 2,
+    none: tuple[float, float, float] = NONE,
 ) -> Pixels:
     """Draw a mesh, from a camera, into an array of pixels.
 
@@ -91,11 +63,12 @@ def render(
     F : array_like of integers, shape (m, 3)
     camera : Camera
     size : (int, int)
-        Width and height in pixels.
+        Width and height in pixels, up to 8192.
     values : array_like, shape (n,) or (m,), optional
         A number for each vertex or each face, shown as a colour.
     limits : (float, float), optional
-        The values at both ends of the colour scale; their range by default.
+        The values at both ends of the colour scale; by default the range of
+        those that are finite.
     cmap : str
         A colour map, one of `meshfair.viewer.CMAPS`: those that polyscope and
         matplotlib both have.
@@ -105,6 +78,8 @@ def render(
         Draw the edges as thin lines.
     quality : int
         Supersampling in each direction, 1 (a draft) to 4.
+    none : three floats
+        The colour where a value is NaN or infinite, each from 0 to 1; grey by default.
 
     Returns
     -------
@@ -124,18 +99,21 @@ def render(
         Once, where polyscope or EGL is missing and matplotlib draws instead.
     """
     V, F = check_mesh(V, F)
-    width, height = (check_count(pixels, "size", 1) for pixels in size)
-    check_choice(quality, "quality", (1, 2, 3, 4))
-    numbers = None if values is None else check_values(values, len(V), len(F))
-    scale = Scale.of([numbers], limits, cmap)
-    # Copies: the scene knows its arrays by identity, and the caller may write to its own.
-    panel = Panel(V.copy(), F.copy(), numbers, smooth, edges)
+    size = check_size(size, "size", 1, LARGEST)
+    quality = check_choice(quality, "quality", (1, 2, 3, 4))
+    if not isinstance(camera, Camera):
+        raise ValueError(f"camera is {camera!r}; give a meshfair.viewer.Camera")
+    numbers = None if values is None else check_values(values, len(V), len(F), finite=False)
+    # A copy: the scene knows its arrays by identity, and the caller may write to its own.
+    smooth, edges = check_flag(smooth, "smooth"), check_flag(edges, "edges")
+    panel = Panel(V, F.copy(), numbers, smooth, edges, none)
+    scale = Scale.of([panel], limits, cmap)
+    placement = Placement.of([panel])
+    panel, camera = placement.panel(panel), placement.camera(camera)
     if not has_egl():
         _warn_of_matplotlib()
-        return paint(panel, camera, (width, height), scale)
-    return on_gl_thread(
-        lambda: scene().draw(panel, camera, (width, height), scale=scale, quality=quality)
-    )
+        return paint(panel, camera, size, scale)
+    return on_gl_thread(lambda: scene().draw(panel, camera, size, scale=scale, quality=quality))
 
 
 @functools.cache
@@ -177,6 +155,7 @@ class Scene:
         Parameters
         ----------
         panel : Panel
+            Placed, as ``camera`` is: see `meshfair.viewer.placement`.
         camera : meshfair.viewer.Camera
         size : (int, int)
             Width and height in pixels.
@@ -202,7 +181,9 @@ class Scene:
         look = np.subtract(camera.target, camera.position)
         place = ps.CameraExtrinsics(root=camera.position, look_dir=look, up_dir=camera.up)
         ps.set_view_camera_parameters(ps.CameraParameters(lens, place))
-        if background is not None:
+        if background is None:
+            ps.set_background_color((1.0, 1.0, 1.0, 0.0))  # not that of the last picture
+        else:
             # Polyscope takes light and shows colour: 1.1 times as bright, gamma 2.2 (measured).
             ps.set_background_color(tuple(np.power(background, 2.2) / 1.1))
         return np.array(ps.screenshot_to_buffer(transparent_bg=background is None))
@@ -252,14 +233,20 @@ class Scene:
                 mesh.set_edge_width(0.6)
                 mesh.set_edge_color(LINES)
         self._panels[slot] = panel
-        if panel.values is not None and scale is not None:
+        if panel.values is None:
+            return
+        if scale is not None and panel.complete:
             mesh.add_scalar_quantity(
                 "values",
-                panel.values,
+                scale.parts(panel.values),
                 defined_on=panel.values_on,
                 enabled=True,
-                vminmax=(scale.low, scale.high),
+                vminmax=(0.0, 1.0),
                 cmap=scale.cmap,
+            )
+        else:  # which polyscope's colour maps have no colour for
+            mesh.add_color_quantity(
+                "values", colors(panel, scale), defined_on=panel.values_on, enabled=True
             )
 
 

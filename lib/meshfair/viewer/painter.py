@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from meshfair.checks import needed_for
 from meshfair.mesh import face_normals
 from meshfair.viewer.camera import FIELD_OF_VIEW, Camera
-from meshfair.viewer.panel import LINES, SURFACE, Panel, Scale
+from meshfair.viewer.panel import LINES, SURFACE, Panel, Scale, colors
 
 LIGHT = (0.3, 0.4, 0.87)  # towards the light, in the camera's axes
 
@@ -51,10 +51,10 @@ def paint(
 
     shade = 0.35 + 0.65 * np.abs(face_normals(X, panel.F) @ LIGHT)
     base = np.array(SURFACE)
-    if panel.values is not None and scale is not None:
-        by_face = panel.values_on == "faces"
-        values = panel.values if by_face else panel.values[panel.F].mean(axis=1)
-        base = scale.colormap((values - scale.low) / (scale.high - scale.low))[:, :3]
+    if panel.values is not None:
+        base = colors(panel, scale)
+        if panel.values_on == "vertices":
+            base = base[panel.F].mean(axis=1)
     faces = np.clip(shade[:, None] * base, 0, 1)[far_first]
 
     width, height = size

@@ -4,34 +4,20 @@ from __future__ import annotations
 
 import contextlib
 import io
-from collections.abc import Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from meshfair.checks import (
-    check_choice,
-    check_count,
-    check_direction,
-    check_mesh,
-    check_number,
-    check_values,
-    check_vertices,
-    needed_for,
-)
+from meshfair.checks import check_choice, check_number, check_text, check_vertices
+from meshfair.viewer.arguments import coloring
 from meshfair.viewer.backend import Backend
-from meshfair.viewer.camera import Camera
-from meshfair.viewer.offscreen import Pixels, has_egl, render
-from meshfair.viewer.panel import Panel, Scale
-
-if TYPE_CHECKING:
-    from PIL.Image import Image
-
-STILL = (1000, 360)  # pixels of a still picture, all panels together
+from meshfair.viewer.live import made
+from meshfair.viewer.picking import pick
+from meshfair.viewer.side_by_side import SideBySide
 
 
-class View:
+class View(SideBySide):
     """Meshes that can be turned: drag to turn, shift-drag to move, wheel to zoom, R to reset.
 
     Drawn by polyscope on the machine where Python runs, each frame sent to
@@ -41,18 +27,19 @@ class View:
     Parameters
     ----------
     V : array_like, shape (n, 3), or a list of them
-        One mesh, or one for each panel.
+        One mesh, or one for each panel. A mesh of another library stands for V and F.
     F : array_like of integers, shape (m, 3), or a list of them
         One for all panels, or one for each.
     titles : str or list of str, optional
         What stands above each panel.
     values : array_like, shape (n,) or (m,), or a list of them, optional
-        A number for each vertex or each face, shown as a colour; None in the
-        list for a panel without.
+        A number for each vertex or each face, shown as a colour; grey where it
+        is NaN or infinite. None in the list for a panel without.
     label : str
         What the values are, with their unit; stands at the colour bar.
     limits : (float, float), optional
-        The values at both ends of the colour bar; their range by default.
+        The values at both ends of the colour bar; by default the range of those
+        that are finite.
     cmap : str
         A colour map, one of `meshfair.viewer.CMAPS`.
     smooth : bool
@@ -60,7 +47,8 @@ class View:
     edges : bool
         Draw the edges as thin lines.
     direction, up : three floats
-        From the meshes towards the camera, and what stays upright; not parallel.
+        From the meshes towards the camera, and what stays upright. Looking straight
+        along ``up``, an axis across stands up in its place.
     backend : {"polyscope", "k3d"}, optional
         What draws; by default polyscope where there is EGL.
 
@@ -80,8 +68,8 @@ class View:
 
     def __init__(
         self,
-        V: ArrayLike,
-        F: ArrayLike,
+        V: Any,
+        F: Any = None,
         *,
         titles: str | Sequence[str | None] | None = None,
         values: ArrayLike | Sequence[ArrayLike | None] | None = None,
@@ -94,44 +82,28 @@ class View:
         up: ArrayLike = (0, 0, 1),
         backend: str | None = None,
     ) -> None:
-        count = _count(V)
-        self._smooth, self._edges = smooth, edges
-        self.panels = [
-            self._panel(*mesh)
-            for mesh in zip(
-                _each(V, 2, count, "V"),
-                _each(F, 2, count, "F"),
-                _each(values, 1, count, "values"),
-                strict=True,
-            )
-        ]
-        self.titles: list[str] = [title or "" for title in _each(titles, 0, count, "titles")]
-        self.label, self.limits, self.cmap = label, limits, cmap
-        Scale.of([], limits, cmap)  # refused here, not in the thread that draws
-        self.up = check_direction(up, "up")
-        self._direction = check_direction(direction, "direction")
-        # What the reset button shows, whatever the panels hold by then: set by look_at.
-        self._home = np.concatenate([panel.V for panel in self.panels]), self._direction
+        super().__init__(
+            V,
+            F,
+            titles=titles,
+            values=values,
+            label=label,
+            limits=limits,
+            cmap=cmap,
+            smooth=smooth,
+            edges=edges,
+            direction=direction,
+            up=up,
+        )
         self._changed: set[int] | None = None  # panels changed inside `together`
-        self.aspect = STILL[0] / STILL[1] / count
-        self.camera = self._camera_home()
-        self._backend = _backend(backend, self)
-
-    def _panel(self, V: ArrayLike, F: ArrayLike, values: ArrayLike | None) -> Panel:
-        V, F = check_mesh(V, F)
-        numbers = None if values is None else check_values(values, len(V), len(F))
-        # Positions are copied: the renderers tell by identity whether an array is new.
-        return Panel(V.copy(), F, numbers, self._smooth, self._edges)
+        self._moved = False  # the camera was, there
+        self._on_pick: Callable[[int, int], object] | None = None
+        self._backend: Backend = made(backend, self)
 
     @property
     def widget(self) -> Any:
         """The ipywidget, to put into a layout of one's own."""
         return self._backend.widget
-
-    @property
-    def scale(self) -> Scale | None:
-        """How the panels' values become colours now: a `Scale`, None without values."""
-        return Scale.of([panel.values for panel in self.panels], self.limits, self.cmap)
 
     def update(
         self,
@@ -153,7 +125,8 @@ class View:
         F : array_like of integers, optional
             New faces; those of before by default.
         values : array_like, shape (n,) or (m,), optional
-            What the colours show; without it the mesh has one colour.
+            What the colours show, grey where it is NaN or infinite; without it the
+            mesh has one colour.
         title : str, optional
 
         Raises
@@ -161,13 +134,19 @@ class View:
         MeshError, ValueError
             No mesh, values that do not fit it, or no such panel.
         """
-        old = self.panels[check_choice(panel, "panel", range(len(self.panels)))]
+        panel = check_choice(panel, "panel", range(len(self.panels)))
+        old = self.panels[panel]
+        title = self.titles[panel] if title is None else check_text(title, "title")
         self.panels[panel] = self._panel(
             old.V if V is None else V, old.F if F is None else F, values
         )
-        if title is not None:
-            self.titles[panel] = title
-        self._refresh([panel])
+        self.titles[panel] = title
+        if self._placement.holds(self.panels):
+            self.placed[panel] = self._placement.panel(self.panels[panel])
+            self._refresh([panel])
+        else:
+            self._place()
+            self._refresh(range(len(self.panels)), moved=True)
 
     @contextlib.contextmanager
     def together(self) -> Iterator[View]:
@@ -177,8 +156,9 @@ class View:
         try:
             yield self
         finally:
+            moved, self._moved = self._moved, False
             self._changed = None
-            self._refresh(changed)
+            self._refresh(changed, moved=moved)
 
     def color_by(
         self, label: str, limits: tuple[float, float] | None = None, cmap: str | None = None
@@ -190,44 +170,74 @@ class View:
         label : str
             What stands at the colour bar.
         limits : (float, float), optional
-            The values at its ends; their range by default.
+            The values at its ends; by default the range of those that are finite.
         cmap : str, optional
             Its colour map, one of `meshfair.viewer.CMAPS`; that of before by default.
 
         Raises
         ------
         ValueError
-            ``limits`` that are no range, or an unknown ``cmap``.
+            A label that is no text, ``limits`` that are no range, or an unknown ``cmap``.
         """
-        bar = (label, limits, cmap or self.cmap)
+        bar = coloring(label, limits, self.cmap if cmap is None else cmap)
         if bar != (self.label, self.limits, self.cmap):
-            Scale.of([], limits, bar[2])
             self.label, self.limits, self.cmap = bar
             self._refresh(range(len(self.panels)))
 
-    def look_at(self, V: ArrayLike, direction: ArrayLike | None = None) -> None:
-        """Point the camera, and the reset button, at some points.
+    def refit(self, V: ArrayLike) -> None:
+        """Point the reset button at other points, and the camera with it.
+
+        A camera that was turned, moved or brought closer stays so, and goes as far away as
+        the points' new size asks for.
 
         Parameters
         ----------
         V : array_like, shape (k, 3)
-            What should fill the picture, such as a part's vertices.
-        direction : three floats, optional
-            From there towards the camera; the view's own by default.
+            What should fill the picture, such as a mesh that has grown.
 
         Raises
         ------
-        MeshError, ValueError
-            No points, or no direction.
+        MeshError
+            No points.
         """
-        towards = self._direction if direction is None else check_direction(direction, "direction")
-        self._home = (check_vertices(V).copy(), towards)
-        self.reset()
+        before = self._camera_home()
+        self._home = (check_vertices(V).copy(), self._home[1])
+        after = self._camera_home()
+        if after == before:
+            return
+        self.camera = after if self.camera == before else self.camera.follow(before, after)
+        self._refresh([], moved=True)
 
     def reset(self) -> None:
-        """Go back to the camera of the beginning, or of the last `look_at`."""
-        self.camera = self._camera_home()
-        self._backend.camera_moved()
+        """Go back to the camera of the beginning, or of the last `look_at` or `refit`."""
+        super().reset()
+        self._refresh([], moved=True)
+
+    def on_pick(self, function: Callable[[int, int], object] | None) -> None:
+        """Say what a click on a mesh does, in a page whose frames polyscope draws.
+
+        Parameters
+        ----------
+        function : function(panel, vertex) or None
+            Called with the numbers of the panel and of the vertex.
+        """
+        self._on_pick = function
+
+    def click(self, panel: int, x: float, y: float) -> None:
+        """Somebody has clicked on a panel; the page says so.
+
+        Parameters
+        ----------
+        panel : int
+        x, y : float
+            From -1 at the panel's left and bottom edge to 1 at its right and top edge.
+        """
+        if self._on_pick is None:
+            return
+        shown = self.panels[check_choice(panel, "panel", range(len(self.panels)))]
+        vertex = pick(shown.V, shown.F, self.camera, (x, y), self.aspect)
+        if vertex is not None:
+            self._on_pick(panel, vertex)
 
     def fit(self, aspect: float) -> None:
         """Say the panels' shape, width over height; the page does."""
@@ -236,93 +246,18 @@ class View:
         if untouched:
             self.camera = self._camera_home()
 
-    def _camera_home(self) -> Camera:
-        V, direction = self._home
-        return Camera.around(V, direction, self.up, aspect=self.aspect)
-
-    def _refresh(self, panels: Iterable[int]) -> None:
+    def _refresh(self, panels: Iterable[int], moved: bool = False) -> None:
+        """Draw some panels again, and all of them where the camera has moved."""
         if self._changed is None:
-            self._backend.refresh(panels)
+            draw = self._backend.camera_moved if moved else self._backend.refresh
+            draw(panels)
         else:
             self._changed.update(panels)
-
-    def still(self, size: tuple[int, int] = STILL) -> Image:
-        """Draw what the view shows now into a picture, with titles and colour bar.
-
-        Parameters
-        ----------
-        size : (int, int)
-            Width and height in pixels, all panels together.
-
-        Returns
-        -------
-        PIL.Image.Image
-            A notebook shows it; ``.save("knot.png")`` writes it.
-
-        Raises
-        ------
-        ImportError
-            matplotlib or Pillow is missing; the message says what to install.
-        """
-        with needed_for("a still picture"):
-            from matplotlib.backends.backend_agg import FigureCanvasAgg
-            from matplotlib.cm import ScalarMappable
-            from matplotlib.colors import Normalize
-            from matplotlib.figure import Figure
-            from PIL import Image
-
-        count, scale = len(self.panels), self.scale
-        width, height = (check_count(pixels, "size", 1) for pixels in size)
-        figure = Figure(figsize=(width / 100, height / 100), dpi=100, layout="constrained")
-        axes = figure.subplots(1, count, squeeze=False)[0]
-        cell = (max(width // count, 1), max(round(0.9 * height), 1))
-        for ax, panel, title in zip(axes, self.panels, self.titles, strict=True):
-            ax.imshow(self._pixels(panel, cell, scale), interpolation="antialiased")
-            ax.set_title(title, fontsize=10)
-            ax.axis("off")
-        if scale is not None:
-            bar = ScalarMappable(Normalize(scale.low, scale.high), scale.colormap)
-            figure.colorbar(bar, ax=list(axes), label=self.label, shrink=0.8)
-        canvas = FigureCanvasAgg(figure)
-        canvas.draw()
-        return Image.fromarray(np.array(canvas.buffer_rgba())).convert("RGB")
-
-    def _pixels(self, panel: Panel, size: tuple[int, int], scale: Scale | None) -> Pixels:
-        return render(
-            panel.V,
-            panel.F,
-            self.camera,
-            size=size,
-            values=panel.values,
-            limits=None if scale is None else (scale.low, scale.high),
-            cmap=self.cmap,
-            smooth=panel.smooth,
-            edges=panel.edges,
-        )
+            self._moved = self._moved or moved
 
     def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         """The live view, and a still of it for readers without a kernel."""
         return with_still(self.widget, self)
-
-
-def _is_list(given: Any, ndim: int) -> bool:
-    """Whether something is a list with one entry, of ``ndim`` dimensions or None, a panel."""
-    return isinstance(given, (list, tuple)) and any(
-        entry is not None and np.ndim(entry) == ndim for entry in given
-    )
-
-
-def _count(V: Any) -> int:
-    """The number of panels that some positions are for."""
-    return len(V) if _is_list(V, 2) else 1
-
-
-def _each(given: Any, ndim: int, count: int, name: str) -> list[Any]:
-    """One entry for each panel: those of a list, or the same for all."""
-    entries = list(given) if _is_list(given, ndim) else [given] * count
-    if len(entries) != count:
-        raise ValueError(f"{name} has {len(entries)} entries; give one for each of {count} panels")
-    return entries
 
 
 def with_still(widget: Any, view: View) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -332,16 +267,3 @@ def with_still(widget: Any, view: View) -> tuple[dict[str, Any], dict[str, Any]]
     png = io.BytesIO()
     view.still().save(png, "PNG")
     return data | {"image/png": png.getvalue()}, metadata
-
-
-def _backend(name: str | None, view: View) -> Backend:
-    """What draws a view in the page; its libraries are loaded here."""
-    name = name or ("polyscope" if has_egl() else "k3d")
-    check_choice(name, "backend", ("polyscope", "k3d"))
-    if name == "polyscope":
-        with needed_for("a live view"):
-            from meshfair.viewer.frames import Frames
-        return Frames(view)
-    with needed_for("a live view without EGL"):
-        from meshfair.viewer.in_page import InPage
-    return InPage(view)

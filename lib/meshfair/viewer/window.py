@@ -11,7 +11,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meshfair.checks import check_mesh, check_values, needed_for
+from meshfair.checks import check_mesh, check_text, check_values, needed_for
+from meshfair.mesh import takes_meshes
+from meshfair.viewer.panel import Panel, Scale, colors
+from meshfair.viewer.placement import Placement
 
 NO_SCREEN = (
     "there is no screen here to open a window on; in a notebook use meshfair.viewer.View, "
@@ -19,11 +22,13 @@ NO_SCREEN = (
 )
 
 
+@takes_meshes
 def show(
     V: ArrayLike, F: ArrayLike, *, values: ArrayLike | None = None, title: str = "meshfair"
 ) -> subprocess.Popen[bytes]:
     """Open polyscope's desktop window on a mesh, and go on without waiting for it.
 
+    It shows the mesh around its own centre and of size 1, wherever it lies.
     The window belongs to a process of its own: a notebook's polyscope draws
     without a screen, and one process cannot do both.
 
@@ -32,7 +37,8 @@ def show(
     V : array_like, shape (n, 3)
     F : array_like of integers, shape (m, 3)
     values : array_like, shape (n,) or (m,), optional
-        A number for each vertex or each face, shown as a colour.
+        A number for each vertex or each face, shown as a colour; grey where it
+        is NaN or infinite.
     title : str
         The window's title.
 
@@ -51,13 +57,19 @@ def show(
         polyscope is missing; the message says what to install.
     """
     V, F = check_mesh(V, F)
-    values = np.empty(0) if values is None else check_values(values, len(V), len(F))
+    numbers = None if values is None else check_values(values, len(V), len(F), finite=False)
+    title = check_text(title, "title")
     if not has_screen():
         raise RuntimeError(NO_SCREEN)
     with needed_for("a window"):
         import polyscope  # noqa: F401 (the window's process has no notebook to say it in)
+    panel = Panel(V, F, numbers)
+    shown = np.empty(0) if numbers is None else numbers
+    if numbers is not None and not panel.complete:  # for which polyscope has no colour
+        shown = colors(panel, Scale.of([panel]))
+    placed = Placement.of([panel]).panel(panel)
     with tempfile.NamedTemporaryFile(suffix=".npz", delete=False) as file:
-        np.savez(file, V=V, F=F, values=values, title=title)
+        np.savez(file, V=placed.V, F=F, values=shown, title=title)
     return subprocess.Popen([sys.executable, "-m", __name__, file.name])
 
 
@@ -81,7 +93,8 @@ def _main(path: str) -> None:
     mesh = ps.register_surface_mesh("mesh", V, F)
     if values.size:
         on = "vertices" if len(values) == len(V) else "faces"
-        mesh.add_scalar_quantity("values", values, defined_on=on, enabled=True)
+        add = mesh.add_color_quantity if values.ndim == 2 else mesh.add_scalar_quantity
+        add("values", values, defined_on=on, enabled=True)
     ps.show()
 
 

@@ -1,0 +1,144 @@
+"""The controls that explorers share: sliders and menus with names, units and tooltips."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import ipywidgets as widgets
+
+from meshfair.viewer import coloring
+from meshfair.weights import BY_NAME
+
+PLAIN = "none"  # the colouring without values
+NAMED = {"description_width": "8.5em"}
+WIDE = {"width": "calc(100% - 8px)", "max_width": "34em"}
+
+# How menus write the noise models' names.
+NOISES = {
+    "normals": "along the normals",
+    "gaussian": "Gaussian",
+    "uniform": "uniform",
+    "impulsive": "impulsive (one in ten)",
+}
+
+
+def slider(
+    kind: Any,
+    description: str,
+    tooltip: str,
+    *,
+    value: float,
+    ends: tuple[float, float],
+    step: float,
+    **options: Any,
+) -> Any:
+    """A slider that shows its value while it moves.
+
+    Parameters
+    ----------
+    kind : type
+        ``ipywidgets.FloatSlider`` or ``IntSlider``.
+    description, tooltip : str
+        A name with its unit, and a sentence.
+    value, step : number
+        What it shows first, and the least that it moves.
+    ends : (number, number)
+        The least and the largest value.
+    **options
+        Others of ``kind``, such as ``readout_format``.
+
+    Returns
+    -------
+    ipywidgets.Widget
+    """
+    return kind(
+        value=value,
+        min=ends[0],
+        max=ends[1],
+        step=step,
+        description=description,
+        tooltip=tooltip,
+        continuous_update=True,
+        style=dict(NAMED),
+        layout=dict(WIDE),
+        **options,
+    )
+
+
+def choice(
+    description: str,
+    options: Iterable[str],
+    value: str,
+    tooltip: str,
+    labels: Mapping[str, str] | None = None,
+) -> Any:
+    """A menu with a name.
+
+    Parameters
+    ----------
+    description, tooltip : str
+        A name, and a sentence.
+    options : iterable of str
+        What can be chosen.
+    value : str
+        The first choice.
+    labels : dict of str to str, optional
+        What the page shows for some of the options.
+
+    Returns
+    -------
+    ipywidgets.Dropdown
+    """
+    return widgets.Dropdown(
+        options=[((labels or {}).get(name, name), name) for name in options],
+        value=value,
+        description=description,
+        tooltip=tooltip,
+        style=dict(NAMED),
+        layout=dict(WIDE),
+    )
+
+
+def color_choice(value: str = "displacement") -> Any:
+    """The menu of what the meshes are coloured by."""
+    return choice(
+        "colour by",
+        [*coloring.COLORINGS, PLAIN],
+        value,
+        "What the colours of the noisy meshes show",
+    )
+
+
+def noise_choice(models: Iterable[str], value: str, tooltip: str) -> Any:
+    """The menu of noise models."""
+    return choice("noise", models, value, tooltip, NOISES)
+
+
+def size_slider(size: float) -> Any:
+    """The slider of the noise's size."""
+    return slider(
+        widgets.FloatSlider,
+        "noise (edges)",
+        "Standard deviation of the noise along the normals, in mean edge lengths",
+        value=size,
+        ends=(0.0, 1.2),
+        step=0.01,
+    )
+
+
+def tau_slider(tau: float, ends: tuple[float, float]) -> Any:
+    """The slider of the time step."""
+    return slider(
+        widgets.FloatSlider,
+        "time step τ",
+        "Each iteration moves a vertex this part of the way to its neighbours' weighted mean",
+        value=tau,
+        ends=ends,
+        step=0.05,
+    )
+
+
+def weights_choice(value: str = "combinatorial") -> Any:
+    """The menu of weights."""
+    return choice("weights", BY_NAME, value, "How much each neighbour counts")

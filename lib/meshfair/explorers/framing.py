@@ -1,0 +1,73 @@
+"""Meshes that outgrow the picture: drawn smaller, and said to be."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from meshfair.checks import Floats, Integers
+from meshfair.viewer import Camera, View
+from meshfair.viewer.camera import FIELD_OF_VIEW
+
+
+class Frame:
+    """What a view shows when nobody has turned it: some points, and other meshes no larger.
+
+    A flow past its stable step grows without bound. If the camera went after it, the
+    meshes beside it would be dots; if not, it would stand within the mesh.
+
+    Parameters
+    ----------
+    view : View
+    meshes : sequence of ndarray, shape (n, 3)
+        What fills the picture.
+    F : ndarray of int64, shape (m, 3)
+        The faces of all of them.
+    """
+
+    def __init__(self, view: View, meshes: Sequence[Floats], F: Integers) -> None:
+        self._view, self._used = view, np.unique(F)
+        self.V = np.concatenate([V[self._used] for V in meshes])
+
+    def reduced(self, V: Floats) -> tuple[Floats, str]:
+        """A mesh as it is to be drawn, and what the title says of that.
+
+        Parameters
+        ----------
+        V : ndarray of float64, shape (n, 3)
+
+        Returns
+        -------
+        V : ndarray of float64, shape (n, 3)
+            As it is where it fits into the picture; else reduced to fit just into it.
+        remark : str
+            Such as ", drawn 1 : 12"; empty where the mesh is as it is.
+        """
+        home = self._camera(self.V)
+        if _sees(home, V[self._used], self._view.aspect):
+            return V, ""
+        needed = self._camera(V[self._used])
+        size = _distance(needed) / _distance(home)
+        # Seen from the same point a mesh looks the same in every size.
+        drawn = home.position + (V - needed.position) / max(size, 1.0)
+        return drawn, f", drawn 1 : {_three_digits(size)}" if size > 1.005 else ", drawn moved"
+
+    def _camera(self, V: Floats) -> Camera:
+        view = self._view
+        return Camera.around(V, view.direction, view.up, aspect=view.aspect)
+
+
+def _sees(camera: Camera, V: Floats, aspect: float) -> bool:
+    """Whether all of a mesh is in a picture of this shape, width over height."""
+    across, up, towards = ((V - camera.position) @ camera.axes.T).T
+    half = np.tan(np.radians(FIELD_OF_VIEW) / 2) * -towards
+    return bool((np.abs(across) <= aspect * half).all() and (np.abs(up) <= half).all())
+
+
+def _distance(camera: Camera) -> float:
+    return float(np.linalg.norm(np.subtract(camera.position, camera.target)))
+
+
+def _three_digits(size: float) -> str:
+    return f"{float(f'{size:.3g}'):,.12g}" if size < 1e6 else f"{size:.1e}"
