@@ -254,6 +254,17 @@ def test_a_librarys_not_implemented_error_is_an_error_with_its_line(marked):
     assert "return W + 1e-12" in outcome.got
 
 
+def test_what_the_code_printed_has_no_traceback_of_ours(isolation, tmp_path):
+    path = tmp_path / "a1.py"
+    path.write_text(
+        "import os\n\n\ndef snr(V, V_noisy):\n    print('here', flush=True)\n"
+        "    os.closerange(3, 64)\n    return 1.0\n"
+    )
+    mark = marking.mark(marking.Submission("anna", path), LOADED["a1"], isolation, SEED)
+    assert "here" in mark.printed
+    assert "Traceback" not in mark.printed
+
+
 def test_a_stub_is_named_by_whoever_meets_it(tmp_path):
     path = tmp_path / "a9.py"
     path.write_text("def g(x):\n    raise NotImplementedError\n\n\ndef f(x):\n    return g(x)\n")

@@ -58,9 +58,13 @@ def _answer(channel: socket.socket) -> None:
         request = protocol.receive(channel)
         function = getattr(module, request["call"], None)
         if callable(function):
-            protocol.send(channel, ask(function, request["arguments"], file))
+            answer = ask(function, request["arguments"], file)
         else:
-            protocol.send(channel, Answer(failure=Failure("missing", request["call"])))
+            answer = Answer(failure=Failure("missing", request["call"]))
+        try:
+            protocol.send(channel, answer)
+        except BaseException:  # the student has closed the channel: no traceback of ours helps
+            os._exit(1)
 
 
 def _limit(limits: dict[str, int]) -> None:

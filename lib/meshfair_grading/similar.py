@@ -80,7 +80,8 @@ def _passages(source: bytes) -> Passages:
 
 def _tokens(source: bytes) -> Iterator[tuple[str, int]]:
     """Tokens and their lines; names of the student's own are all one."""
-    skipped = {tokenize.COMMENT, tokenize.NL, tokenize.ENCODING, tokenize.INDENT, tokenize.DEDENT}
+    skipped = {tokenize.COMMENT, tokenize.NL, tokenize.ENCODING, tokenize.ENDMARKER}
+    skipped |= {tokenize.INDENT, tokenize.DEDENT}
     before = "\n"
     try:
         for token in tokenize.tokenize(io.BytesIO(source).readline):
