@@ -293,7 +293,7 @@ class FlowExplorer(Explorer):
                 self._show_start(run, first)
                 run.shown = True
             for name, V in shown.items():
-                V_drawn, remark = self._frame.reduced(V)
+                V_drawn, remark = self._frame.drawn(V)
                 title = self._title(name, iteration, run) + remark
                 self.view.update(
                     V_drawn,

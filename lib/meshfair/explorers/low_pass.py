@@ -118,7 +118,7 @@ class LowPassExplorer(Explorer):
             "modes kept",
             "How many eigenmodes the filter by hand keeps, the slowest first",
             value=min(40, len(V)),
-            ends=(1, len(V)),
+            ends=(4, len(V)),  # fewer make a line
             step=1,
         )
         self.controls = {
@@ -181,7 +181,7 @@ class LowPassExplorer(Explorer):
         found = self._found[1]
         V, n = self._mesh[0], len(found.eigenvalues)
         # Few modes make the difference: their numbers lie close where they are small.
-        counts = np.unique(np.geomspace(1, n, COUNTS).round().astype(int))
+        counts = np.unique(np.geomspace(4, n, COUNTS).round().astype(int))
         counts = np.union1d(counts, settings["modes"])
         decibels = []
         for k, count in enumerate(counts):
@@ -244,7 +244,7 @@ class LowPassExplorer(Explorer):
             self._request()
 
     def _picked(self, change: dict[str, Any]) -> None:
-        self.controls["modes"].value = min(max(round(change["new"]), 1), len(self._mesh[0]))
+        self.controls["modes"].value = min(max(round(change["new"]), 4), len(self._mesh[0]))
 
     def _set(self, values: dict[str, Any]) -> None:
         """Move controls without being told of it."""
@@ -294,7 +294,7 @@ class LowPassExplorer(Explorer):
                 self.view.color_by(look.label, look.limits(*given), look.cmap)
                 values = list(given)
             for panel, (X, title) in enumerate(zip(shown, titles, strict=True)):
-                X_drawn, remark = frame.reduced(X)
+                X_drawn, remark = frame.drawn(X)
                 self.view.update(X_drawn, panel=panel, values=values[panel], title=title + remark)
             self._draw(found, settings, decibels[1])
 
@@ -313,7 +313,7 @@ class LowPassExplorer(Explorer):
         legend = {HAND: f"best {self._curve[1][best]:.2f} dB with {self._curve[0][best]} modes"}
         for rival, steps in self._steps.items():
             reached = found.decibels[rival]
-            lines[rival] = (np.array([1, n]), np.full(2, reached[steps]))
+            lines[rival] = (np.array([4, n]), np.full(2, reached[steps]))
             legend[rival] = f"{reached[steps]:.2f} dB"
         self.plots[0].draw(curves, colors=COLORS)
         self.plots[0].marker = None
