@@ -19,6 +19,7 @@ from meshfair.explorers.controls import (
     color_choice,
     size_slider,
     slider,
+    two_digits,
     weights_choice,
 )
 from meshfair.explorers.curves import CurvePlot
@@ -282,9 +283,9 @@ class LowPassExplorer(Explorer):
             shown = [found.V_noisy, denoised, other]
             decibels = [snr(V, X) for X in shown]
             titles = [
-                f"noisy: {decibels[0]:.2f} dB",
-                f"{HAND}, {count} modes: {decibels[1]:.2f} dB",
-                f"{steps} {RIVALS[rival]}: {decibels[2]:.2f} dB",
+                f"noisy: {two_digits(decibels[0])} dB",
+                f"{HAND}, {count} modes: {two_digits(decibels[1])} dB",
+                f"{steps} {RIVALS[rival]}: {two_digits(decibels[2])} dB",
             ]
             values: list[Floats | None] = [None] * 3
             if settings["color"] != PLAIN:
@@ -310,11 +311,13 @@ class LowPassExplorer(Explorer):
             counts, curve = np.insert(counts, at, count), np.insert(curve, at, decibels)
         lines = {HAND: (counts, curve)}
         best = int(self._curve[1].argmax())
-        legend = {HAND: f"best {self._curve[1][best]:.2f} dB with {self._curve[0][best]} modes"}
+        legend = {
+            HAND: f"best {two_digits(self._curve[1][best])} dB with {self._curve[0][best]} modes"
+        }
         for rival, steps in self._steps.items():
             reached = found.decibels[rival]
             lines[rival] = (np.array([4, n]), np.full(2, reached[steps]))
-            legend[rival] = f"{reached[steps]:.2f} dB"
+            legend[rival] = f"{two_digits(reached[steps])} dB"
         self.plots[0].draw(curves, colors=COLORS)
         self.plots[0].marker = None
         self.plots[1].draw(
