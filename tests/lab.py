@@ -169,6 +169,12 @@ class Student:
         )
 
     def go_to(self, cell_id):
+        """Scroll to a cell with a view; returns its place in the page."""
+        cell = self.go_to_output(cell_id)
+        cell.locator(".meshfair-view .stage[data-frame]").first.wait_for(timeout=30_000)
+        return cell
+
+    def go_to_output(self, cell_id):
         """Scroll to a cell; returns its place in the page."""
         k = self.page.evaluate(
             """async id => {
@@ -180,9 +186,7 @@ class Student:
             }""",
             cell_id,
         )
-        cell = self.page.locator(f".jp-Notebook .jp-Cell[data-windowed-list-index='{k}']")
-        cell.locator(".meshfair-view .stage[data-frame]").first.wait_for(timeout=30_000)
-        return cell
+        return self.page.locator(f".jp-Notebook .jp-Cell[data-windowed-list-index='{k}']")
 
     def slider(self, cell, label):
         """The handle of a slider by its label, ready for the arrow keys."""

@@ -142,3 +142,8 @@ def tau_slider(tau: float, ends: tuple[float, float]) -> Any:
 def weights_choice(value: str = "combinatorial") -> Any:
     """The menu of weights."""
     return choice("weights", BY_NAME, value, "How much each neighbour counts")
+
+
+def two_digits(number: float) -> str:
+    """A number with two digits behind the point, or the sign for infinity: 27.31."""
+    return f"{number:.2f}".replace("inf", "∞")

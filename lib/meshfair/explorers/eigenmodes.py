@@ -119,7 +119,7 @@ class EigenmodeExplorer(Explorer):
         wave = Phi[:, k] / np.abs(Phi[:, k]).max()
         height = settings["height"] * self._edge
         frame = Frame(self.view, [V + s * height * self._normals for s in (-1, 1)], F)
-        V_drawn, remark = frame.reduced(V + (left[steps] * height * wave)[:, None] * self._normals)
+        V_drawn, remark = frame.drawn(V + (left[steps] * height * wave)[:, None] * self._normals)
         with self.view.together():
             self.view.refit(frame.V)
             self.view.update(

@@ -161,7 +161,7 @@ class FilterExplorer(Explorer):
             else:
                 self.view.refit(frame.V)
             self._shown = settings["mesh"], settings["size"]
-            V_drawn, remark = frame.reduced(V_new)
+            V_drawn, remark = frame.drawn(V_new)
             angles = coloring.normal_angle(V, F)(V_new)
             self.view.update(V_noisy, panel=0, F=F, title=f"noisy: {_summary(before)}")
             self.view.update(V_drawn, panel=1, F=F, title=title + remark)
