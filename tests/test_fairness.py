@@ -22,6 +22,7 @@ from meshfair_grading.answers import Failure, ask, plain
 from meshfair_grading.assignment import Assignment
 from meshfair_grading.explain import explain
 from meshfair_grading.feedback import Report
+from meshfair_grading.gradebook import Gradebook
 from meshfair_grading.isolation import Isolation, Limits
 from meshfair_grading.loading import load
 from meshfair_grading.meshes import sphere, tower, unseen
@@ -523,6 +524,15 @@ def test_the_overview_counts_and_hides_nothing(tmp_path):
     assert "2 \u00d7 The edges ca are missing." in page
     similar_page = (tmp_path / "t" / "similar.html").read_text(encoding="utf-8")
     assert "&lt;i&gt;x&lt;/i&gt;" in similar_page
+
+
+def test_the_teachers_own_folder_is_not_written_into(tmp_path):
+    (tmp_path / "g_teacher").mkdir()
+    (tmp_path / "g_teacher" / "overview.html").write_text("mine")
+    with pytest.raises(FileExistsError, match="g_teacher is there already"):
+        Gradebook(tmp_path / "g.csv", LOADED["a2"], ["anna"])
+    with pytest.raises(ValueError, match="among the submissions"):
+        Gradebook(tmp_path / "in" / "g.csv", LOADED["a2"], [], submissions=tmp_path / "in")
 
 
 def test_a_mark_can_be_explained(isolation, tmp_path):

@@ -113,6 +113,7 @@ def run(options: argparse.Namespace) -> int:
 
     from tqdm import tqdm
 
+    from meshfair_grading.gradebook import teachers_folder
     from meshfair_grading.isolation import Isolation, Limits
     from meshfair_grading.marking import grade
     from meshfair_grading.overview import write_overview
@@ -125,7 +126,7 @@ def run(options: argparse.Namespace) -> int:
     )
     with ExitStack() as stack:
         elsewhere = None
-        if options.scheduler is None:
+        if options.scheduler is None or options.explain is not None:
             isolation = Isolation.detect(limits, without_walls=options.without_walls)
             lines = isolation.describe()
         else:
@@ -165,7 +166,7 @@ def run(options: argparse.Namespace) -> int:
             elsewhere=elsewhere,
         )
     assignment = source.load()
-    teacher = options.out.with_name(f"{options.out.stem}_teacher")
+    teacher = teachers_folder(options.out)
     files = handed_in(options.submissions, source.name)
     write_overview(teacher, assignment, marks, files, source.stub())
     earned = [sum(outcome.earned for outcome in mark.outcomes) for mark in marks]

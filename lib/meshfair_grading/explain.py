@@ -16,6 +16,7 @@ from meshfair_grading.assignment import Assignment
 from meshfair_grading.gradebook import Mark
 from meshfair_grading.isolation import Isolation
 from meshfair_grading.marking import mark
+from meshfair_grading.printable import printable
 from meshfair_grading.students import IsolatedStudent
 from meshfair_grading.submissions import Submission
 
@@ -62,7 +63,8 @@ def explain(
         f"NumPy {np.__version__}, SciPy {scipy.__version__}",
         "",
     ]
-    return "\n".join(lines + _by_check(calls) + ["", *_report(result, assignment)])
+    lines += [*_by_check(calls), "", *_report(result, assignment)]
+    return "\n".join(printable(line) for line in lines)
 
 
 def _recording(calls: list[Call]) -> type[IsolatedStudent]:

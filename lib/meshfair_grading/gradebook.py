@@ -69,6 +69,11 @@ class Mark:
         return next((o.metric for o in self.outcomes if o.metric is not None), None)
 
 
+def teachers_folder(out: Path) -> Path:
+    """Where the pages lie that are for the teacher alone: beside the CSV."""
+    return out.with_name(f"{out.stem}_teacher")
+
+
 class Gradebook:
     """The results of a class.
 
@@ -100,6 +105,7 @@ class Gradebook:
     ) -> None:
         self.out = Path(out)
         self.feedback = self.out.with_name(f"{self.out.stem}_feedback")
+        self.teacher = teachers_folder(self.out)
         self.assignment = assignment
         self._names = file_names(students)
         if submissions is not None:
@@ -111,7 +117,7 @@ class Gradebook:
 
     def _keep_out_of(self, submissions: Path) -> None:
         inside = submissions.resolve()
-        for place in (self.out, self.feedback):
+        for place in (self.out, self.feedback, self.teacher):
             if place.resolve().is_relative_to(inside):
                 raise ValueError(
                     f"{printable(str(self.out))} lies among the submissions, where results would "
@@ -132,11 +138,12 @@ class Gradebook:
                 f"{out} is there already, and was not written by this command or has been changed "
                 "since; give --out another name, or replace it with --force"
             )
-        if not about and self.feedback.exists() and any(self.feedback.iterdir()):
-            raise FileExistsError(
-                f"{printable(str(self.feedback))} is there already, and is no folder of feedback; "
-                "give --out another name, or write into it with --force"
-            )
+        for folder in (self.feedback, self.teacher):
+            if not about and folder.exists() and any(folder.iterdir()):
+                raise FileExistsError(
+                    f"{printable(str(folder))} is there already, and is not from this command; "
+                    "give --out another name, or write into it with --force"
+                )
 
     def _about(self) -> dict[str, Any]:
         """What an earlier run has written about itself, or nothing."""
