@@ -371,6 +371,7 @@ def _explains(
 
 def _general(got: Floats, expected: Floats, name: str) -> Iterator[tuple[str, Any]]:
     """Mistakes that any values can have."""
+    name = name.partition(" (")[0]  # without what differs from case to case
     for factor in COMMON_FACTORS:
         hint = f"Your {name} is {factor:.3g} times the right one."
         yield (f"The sign of {name} is wrong." if factor == -1 else hint), factor * expected
@@ -384,6 +385,12 @@ def _general(got: Floats, expected: Floats, name: str) -> Iterator[tuple[str, An
         shift = (got - expected).mean(axis=0)
         shown = ", ".join(f"{x:.3g}" for x in shift)
         yield f"{name} is right up to a shift: all rows are off by ({shown}).", expected + shift
+        right = [alike(got[:, axis], expected[:, axis]) for axis in range(3)]
+        if any(right) and not np.allclose(got, expected, rtol=0, atol=NEARLY * _size(expected)):
+            one = " and ".join(
+                name for name, is_right in zip("xyz", right, strict=True) if is_right
+            )
+            yield f"Of {name}, {one} is right: do the same with all coordinates.", got
     there = expected != 0
     functions = {"absolute values": np.abs, "squares": np.square, "reciprocals": np.reciprocal,
                  "square roots": np.sqrt}  # fmt: skip

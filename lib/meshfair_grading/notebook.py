@@ -7,6 +7,7 @@ and on dark pages. `practise` lends the checks of an assignment to a notebook of
 
 import io
 import runpy
+import sys
 import traceback
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -135,5 +136,8 @@ def _say_what_is_not_done(
     trace: TracebackType,
     tb_offset: int | None = None,
 ) -> None:
+    pyplot = sys.modules.get("matplotlib.pyplot")
+    if pyplot is not None:
+        pyplot.close("all")  # else the cell would show the empty axes that it has begun with
     stub = traceback.extract_tb(trace)[-1]
     print(f"`{stub.name}` is not done yet ({Path(stub.filename).name}, line {stub.lineno})")
