@@ -189,7 +189,7 @@ class FilterExplorer(Explorer):
 def _written(column: str, numbers: Metrics) -> str:
     """One of the metrics in words."""
     value = numbers[column].value
-    return "none" if value is None else COLUMNS[column][1].format(value)
+    return "none" if value is None else COLUMNS[column][1].format(value).replace("inf", "∞")
 
 
 def _summary(numbers: Metrics) -> str:
