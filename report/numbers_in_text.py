@@ -219,6 +219,9 @@ def _performance(data: Tables) -> Texts:
         return f"{seconds[task, theirs] / seconds[task, ours]:.1f}"
 
     others = seconds["implicit"].drop("ours")
+    sweeps = data["sweeping"].set_index(["where", "cells"])
+    most = sweeps.loc["cluster"].index.max()
+    many, alone = sweeps.loc["cluster", most], sweeps.loc["one a message"].iloc[0]
     return {
         "bench-vertices": f"{bench['vertices'].max():,}",
         "bench-libigl": times("weights", "libigl", "ours, from nothing"),
@@ -242,6 +245,14 @@ def _performance(data: Tables) -> Texts:
         "scaling-largest": f"{growth.index[-1]:,}",
         "scaling-growth": f"{growth.iloc[-1] / growth.iloc[1]:.2f}",
         "scaling-bytes": f"{scaling['peak_bytes_per_vertex'].max():.0f}",
+        "sweep-cells": f"{most:,}",
+        "sweep-seconds": f"{many['seconds']:.1f}",
+        "sweep-client": f"{1000 * many['client_ms']:.0f}",
+        "sweep-worker": f"{1000 * many['worker_ms']:.0f}",
+        "sweep-peak": f"{many['peak_bytes'] / 1e6:.0f}",
+        "sweep-alone": f"{alone['client_ms']:.1f}",
+        # A hundred messages a second, the most that are sent, and the cells in what time is left.
+        "sweep-workers": f"{(1 - 100 * alone['client_ms'] / 1000) / many['client_ms']:.0f}",
         "filters-faces": f"{data['filters']['faces'].iloc[0]:,}",
         "filters-slowest": filters.idxmax(),
         "filters-slowest-seconds": f"{filters.max():.0f}",

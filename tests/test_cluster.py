@@ -1,7 +1,10 @@
 """Sweeps on dask's cluster: a real scheduler, real workers, and what happens to them."""
 
+import csv
+import io as io_module
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -13,14 +16,18 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import pytest
+import yaml
 
 import cells
 import meshfair
 from meshfair import _fast, io, shapes
 from meshfair.cli import main
+from meshfair.experiments import cluster as cluster_module
 from meshfair.experiments import sweep
-from meshfair.experiments.cluster import connect, version
+from meshfair.experiments.cluster import connect
 from meshfair.experiments.dispatch import SweepStoppedError
+from meshfair.experiments.versions import version
+from submissions import HOSTILE, build
 
 pytest.importorskip("distributed")
 # Of sockets and loops that dask leaves to the garbage collector.
@@ -31,11 +38,9 @@ pytestmark = [
 
 TESTS = Path(__file__).parent
 LIB = Path(meshfair.__file__).parents[1]
-# As notebooks/SWEEPS.md says: a death counts at once, and copies of meshes stay where they are.
-SCHEDULER = {
-    "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0",
-    "DASK_DISTRIBUTED__SCHEDULER__ACTIVE_MEMORY_MANAGER__START": "False",
-}
+PAGE = (Path(__file__).parents[1] / "notebooks" / "SWEEPS.md").read_text(encoding="utf-8")
+# The page's own configuration for dask.
+CONFIGURATION = re.search(r"in `dask.yaml`.*?```yaml\n(.*?)```", PAGE, re.S)[1]
 
 STOPPING = """
 experiment = "stopping"
@@ -49,19 +54,22 @@ time = 1.0
 SLOW = 'experiment = "cells:slow"\nx = { from = 0, to = 99 }\n'
 
 
-def environment(lib=LIB, **more):
-    return os.environ | {"PYTHONPATH": f"{lib}{os.pathsep}{TESTS}"} | SCHEDULER | more
+def environment(folder, lib=LIB, path=None):
+    configuration = write(folder / "dask.yaml", CONFIGURATION)
+    modules = f"{lib}{os.pathsep}{TESTS}"
+    more = {"PATH": path} if path else {}
+    return os.environ | {"PYTHONPATH": modules, "DASK_CONFIG": str(configuration)} | more
 
 
-def start(folder, *words, **options):
-    options = {"env": environment(), **options}
+def start(folder, *words, lib=LIB, path=None, **options):
+    options["env"] = environment(folder, lib, path)
     with open(folder / "log.txt", "ab") as log:
         command = [sys.executable, "-m", *words]
         return subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, **options)
 
 
 @contextmanager
-def a_cluster(folder, workers=2, lib=LIB):
+def a_cluster(folder, workers=2, **options):
     """A scheduler and workers, as their own commands start them; yields the scheduler."""
     file = folder / "scheduler.json"
     on_loopback = ["--host", "127.0.0.1", "--no-dashboard", "--scheduler-file", str(file)]
@@ -71,7 +79,7 @@ def a_cluster(folder, workers=2, lib=LIB):
         wait_until(file.exists)
         one = ["--nthreads", "1", "--nworkers", str(workers), *on_loopback]
         one += ["--local-directory", str(folder)]
-        processes.append(start(folder, "distributed.cli.dask_worker", *one, env=environment(lib)))
+        processes.append(start(folder, "distributed.cli.dask_worker", *one, **options))
         yield scheduler, str(file)
     finally:
         for process in reversed(processes):
@@ -130,6 +138,20 @@ def undisturbed(tmp_path_factory):
     folder = tmp_path_factory.mktemp("undisturbed")
     assert run(write(folder / "slow.toml", SLOW), "--out", folder / "table.csv") == 0
     return (folder / "table.csv").read_bytes()
+
+
+def test_the_page_gives_the_configuration_of_workers_here():
+    flat = {}
+
+    def flatten(prefix, values):
+        for name, value in values.items():
+            if isinstance(value, dict):
+                flatten(f"{prefix}{name}.", value)
+            else:
+                flat[prefix + name] = value
+
+    flatten("", yaml.safe_load(CONFIGURATION))
+    assert flat == cluster_module.CONFIGURATION
 
 
 def test_the_table_is_the_same_from_everywhere(cluster, tmp_path, monkeypatch):
@@ -282,6 +304,43 @@ def connect_unchecked(file):
 
     with Client(scheduler_file=file, set_as_default=False) as client:
         yield Cluster(client)
+
+
+def test_a_class_gets_the_same_marks_as_on_one_machine(cluster, tmp_path, capsys):
+    submissions = tmp_path / "submissions"
+    expected = build(submissions, len(HOSTILE) + 1)
+    for name in [*HOSTILE][len(HOSTILE) // 2 :]:  # half of them, for the time that it takes
+        shutil.rmtree(submissions / name)
+        del expected[name]
+    (submissions / "empty").mkdir()
+    limits = ["--assignment", "a2", "--seed", "7", "--seconds", "2", "--without-walls"]
+    tables = []
+    for name, where in (("here", []), ("cluster", ["--scheduler", cluster])):
+        out = tmp_path / f"{name}.csv"
+        assert main(["grade", str(submissions), "--out", str(out), *limits, *where]) == 0
+        tables.append(out.read_text())
+    assert tables[1] == tables[0]
+    rows = list(csv.DictReader(io_module.StringIO(tables[1])))
+    points = {row["student"]: float(row["points"]) for row in rows}
+    assert points == {name: of for name, (of, _) in expected.items()} | {"empty": 0.0}
+    assert "of 2 workers have walls" in capsys.readouterr().err
+    feedback = [tmp_path / f"{name}_feedback" / "good_000.md" for name in ("here", "cluster")]
+    assert feedback[0].read_text() == feedback[1].read_text()
+    # Those who have their mark are not marked again, and need no cluster to be looked at.
+    assert main(["grade", str(submissions), "--out", str(out), *limits]) == 0
+    assert out.read_text() == tables[1]
+
+
+def test_workers_without_walls_are_named_before_anybody_is_marked(tmp_path, capsys):
+    submissions = tmp_path / "submissions"
+    build(submissions, len(HOSTILE))
+    words = ["grade", str(submissions), "--assignment", "a2", "--out", str(tmp_path / "m.csv")]
+    with a_cluster(tmp_path, workers=1, lib=LIB, path="/nowhere") as (_, file):
+        assert main([*words, "--scheduler", file]) == 1
+    error = capsys.readouterr().err
+    assert "submissions would run without walls on 1 workers: worker tcp://127.0.0.1:" in error
+    assert "bubblewrap is not installed" in error
+    assert not (tmp_path / "m_feedback").exists()
 
 
 def test_no_scheduler_and_no_worker(tmp_path, capsys):

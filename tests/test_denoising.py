@@ -243,6 +243,15 @@ def test_a_result_does_not_depend_on_the_place(method, place):
     np.testing.assert_allclose(moved, meshfair.denoise(here, F, method).V, atol=3000 * digit)
 
 
+@pytest.mark.parametrize("method", NAMES)
+def test_a_mesh_without_edges_is_told_or_left_as_it_is(method):
+    V, F = np.ones((2, 3)), [[0, 0, 0], [1, 1, 1]]
+    try:
+        np.testing.assert_array_equal(meshfair.denoise(V, F, method).V, V)
+    except meshfair.MeshError as error:
+        assert "no edge at all" in str(error)  # noqa: PT017  either is right
+
+
 def test_a_clean_mesh_of_another_size(noisy_box):
     V, clean, F = noisy_box
     with pytest.raises(meshfair.MeshError, match="ground_truth"):

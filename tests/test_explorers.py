@@ -15,6 +15,7 @@ from meshfair import (
     noise,
     operators,
     shapes,
+    sure,
     viewer,
     weights,
 )
@@ -44,6 +45,9 @@ def quick_pictures(monkeypatch):
         lambda: explorers.JetExplorer(detail=0.5, iterations=3),
         lambda: explorers.DenoisingExplorer(V, F, iterations=5),
         lambda: explorers.FilterExplorer(MESHES),
+        lambda: explorers.NeighbourhoodExplorer(V, F),
+        lambda: explorers.EigenmodeExplorer(V, F, iterations=5),
+        lambda: explorers.LowPassExplorer(V, F),
     ],
 )
 def test_every_control_works_at_both_ends(make):
@@ -54,7 +58,7 @@ def test_every_control_works_at_both_ends(make):
     for menu in menus:  # names that a reader knows, and no two alike
         labels = [label for label, _ in menu.options]
         assert len(set(labels)) > 1
-        assert all(re.fullmatch(r"[\w() -]+", label) for label in labels), labels
+        assert all(re.fullmatch(r"[\w() =.-]+", label) for label in labels), labels
 
 
 def test_the_noise_explorer_shows_the_snr():
@@ -64,7 +68,7 @@ def test_the_noise_explorer_shows_the_snr():
     assert explorer.snr == metrics.snr(V, noisy)
     assert explorer.view.titles[1] == f"noisy: {explorer.snr:.2f} dB"
     (curve,) = explorer.plots[0].series
-    assert np.interp(0.3, curve["x"], curve["y"]) == pytest.approx(explorer.snr, abs=0.05)
+    assert curve["y"][curve["x"].index(0.3)] == explorer.snr  # the same number in both places
     explorer.controls["shift"].value = 2.0
     explorer.wait()
     np.testing.assert_array_equal(explorer.view.panels[1].V, noisy)  # the picture stays
@@ -103,6 +107,152 @@ def test_the_heat_explorer_shows_the_flow():
     np.testing.assert_allclose(curve["y"], decibels)
     np.testing.assert_allclose(curve["x"], [t for t, _ in expected])
     assert explorer.plots[0].marker == 2.0
+
+
+FLOWS = [explorers.HeatExplorer, explorers.AveragingExplorer, explorers.ComparisonExplorer]
+
+
+@pytest.mark.parametrize("kind", FLOWS, ids=lambda kind: kind.__name__)
+def test_a_flow_begins_at_its_best_iteration_and_marks_it(kind):
+    explorer = kind(V, F, size=0.9, iterations=12)
+    explorer.wait()
+    series = explorer.plots[0].series
+    peaks = {curve["name"]: int(np.argmax(curve["y"])) for curve in series}
+    highest = max(series, key=lambda curve: max(curve["y"]))
+    assert explorer.controls["iteration"].value == peaks[highest["name"]] > 0
+    assert explorer.plots[0].marker == highest["best"][0]
+    for curve in series:
+        assert curve["best"] == [curve["x"][peaks[curve["name"]]], max(curve["y"])]
+        assert f"best {max(curve['y']):.2f} dB at" in curve["legend"]
+    assert len({curve["mark"] for curve in series}) == len(series)
+
+
+def test_the_best_is_followed_until_the_reader_chooses_and_again_by_the_button():
+    explorer = explorers.HeatExplorer(V, F, size=0.9, tau=0.2, iterations=30)
+    explorer.wait()
+
+    def best():
+        return int(np.argmax(explorer.plots[0].series[0]["y"]))
+
+    first = best()
+    explorer.controls["tau"].value = 0.05
+    explorer.wait()
+    assert explorer.controls["iteration"].value == best() > first
+    explorer.controls["iteration"].value = 3
+    explorer.controls["tau"].value = 0.1
+    explorer.wait()
+    assert explorer.controls["iteration"].value == 3
+    explorer.best_button.click()
+    assert explorer.controls["iteration"].value == best() != 3
+    assert f"t = {best() * 0.1:.2f}," in explorer.view.titles[2]
+    explorer.controls["tau"].value = 0.2
+    explorer.wait()
+    assert explorer.controls["iteration"].value == best() == first
+
+
+def test_without_a_ground_truth_the_estimated_risk_says_where_to_begin():
+    rng = np.random.default_rng(1)
+    V_fine, F_fine = shapes.knot(120, 16)
+    V_noisy = noise.along_normals(V_fine, F_fine, 0.2, rng)
+    explorer = explorers.DenoisingExplorer(V_noisy, F_fine, iterations=30)
+    explorer.controls["weights"].value = "combinatorial"
+    explorer.wait()
+    iteration = explorer.controls["iteration"].value
+    assert 0 < iteration < 30
+    (states,) = explorer._run.states.values()
+    risks = [sure.true_risk(X, V_fine, F_fine) for X in states]
+    assert risks[iteration] < 1.2 * min(risks) < 0.5 * risks[0]  # near the best of all
+
+
+def test_shrinking_is_one_colour_and_the_scale_has_zero_in_its_middle():
+    explorer = explorers.HeatExplorer(V, F, size=0.0, iterations=5)
+    explorer.controls["color"].value = "signed displacement"
+    explorer.controls["iteration"].value = 5
+    explorer.wait()
+    view = explorer.view
+    assert view.cmap == "coolwarm"
+    assert view.limits[0] == -view.limits[1] < 0
+    assert view.panels[2].values.mean() < 0  # a tube shrinks
+    explorer.controls["color"].value = "displacement"
+    assert (view.cmap, view.limits[0]) == ("viridis", 0)
+    np.testing.assert_allclose(
+        view.panels[2].values * mean_edge_length(V, F),
+        np.linalg.norm(view.panels[2].V - V, axis=1),
+    )
+
+
+@pytest.mark.parametrize("name", coloring.COLORINGS)
+def test_a_mesh_without_any_error_has_a_scale_that_means_something(name):
+    explorer = explorers.DenoisingExplorer(V, F, iterations=3)
+    explorer.wait()
+    explorer.controls["color"].value = name
+    explorer.controls["iteration"].value = 0
+    assert explorer.view.limits[1] >= coloring.COLORINGS[name].least >= 0.01
+
+
+def test_at_late_iterations_the_scale_grows_with_what_is_shown():
+    explorer = explorers.AveragingExplorer(V, F, size=0.1, iterations=30)
+    explorer.wait()
+    explorer.controls["iteration"].value = 0
+    before = explorer.view.limits
+    explorer.controls["iteration"].value = 30
+    values, (low, high) = explorer.view.panels[2].values, explorer.view.limits
+    assert high > 3 * before[1]
+    assert np.mean(values > high) <= 0.02
+    assert low == 0
+
+
+def seen(view, k):
+    """How far from the middle of a view's picture a panel's mesh reaches; 1 is its edge."""
+    camera, X = view.camera, view.panels[k].V
+    across, up, towards = ((X - camera.position) @ camera.axes.T).T
+    half = np.tan(np.radians(viewer.camera.FIELD_OF_VIEW) / 2) * -towards
+    assert np.all(half > 0)
+    return max(np.abs(across / half).max() / view.aspect, np.abs(up / half).max())
+
+
+@pytest.mark.parametrize("size", [0.2, 1.2])
+def test_no_mesh_is_cut_off_however_strong_the_noise_or_the_growth(size):
+    explorer = explorers.StabilityExplorer(V, F, size=size, iterations=30)
+    explorer.controls["tau"].value = 2.0
+    explorer.wait()
+    for iteration in (0, 3, 10, 30):
+        explorer.controls["iteration"].value = iteration
+        assert seen(explorer.view, 0) <= 1 + 1e-9
+    assert re.search(r", drawn 1 : [\d.,e+]+$", explorer.view.titles[0])
+    heat = explorers.HeatExplorer(V, F, size=size, iterations=3)
+    heat.wait()
+    for k in range(3):
+        assert seen(heat.view, k) <= 1 + 1e-9
+    drawn = explorer.view.panels[0].V
+    (states,) = explorer._run.states.values()
+    # It is drawn smaller, and has the same shape.
+    small, large = (X - X.mean(axis=0) for X in (drawn, states[30]))
+    np.testing.assert_allclose(small / np.ptp(small), large / np.ptp(large), atol=1e-9)
+
+
+def test_a_turned_camera_stays_turned_when_the_noise_grows():
+    explorer = explorers.NoiseExplorer(V, F, size=0.1)
+    explorer.wait()
+    view = explorer.view
+    view.camera = view.camera.orbit(0.5, 0.2, view.up)
+    axes = view.camera.axes
+    distance = np.linalg.norm(np.subtract(view.camera.position, view.camera.target))
+    explorer.controls["size"].value = 1.0
+    explorer.wait()
+    np.testing.assert_allclose(view.camera.axes, axes, atol=1e-12)
+    assert np.linalg.norm(np.subtract(view.camera.position, view.camera.target)) > distance
+
+
+def test_a_mesh_that_became_a_wire_is_drawn_thicker():
+    explorer = explorers.AveragingExplorer(V, F, size=0.0, iterations=40)
+    explorer.wait()
+    explorer.controls["iteration"].value = 40
+    (states,) = explorer._run.states.values()
+    drawn = explorer.view.panels[2].V
+    assert explorer.view.titles[2].endswith(", drawn thicker")
+    hair = np.linalg.norm(drawn - states[40], axis=1) / np.ptp(V, axis=0).max()
+    assert 0.002 < hair.min() <= hair.max() < 0.01
 
 
 def test_a_click_into_the_plot_goes_to_that_iteration():

@@ -58,6 +58,7 @@ def test_a_shape_goes_through(make, tmp_path):
     journey(V_read, F_read, tmp_path, [".ply", ".obj", ".off"])
 
 
+@pytest.mark.filterwarnings("ignore:.*copies of others:meshfair.MeshWarning")
 @pytest.mark.parametrize("file", [source.file for source in datasets.SOURCES.values()])
 def test_a_real_mesh_goes_through(file, mirror, tmp_path):
     path = mirror / file

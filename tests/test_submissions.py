@@ -231,7 +231,7 @@ def test_nothing_is_written_over_but_its_own(tmp_path):
     with pytest.raises(FileExistsError, match="has been changed since"):
         Gradebook(out, A2, ["anna"])
     put(tmp_path / "other_feedback", "letter.txt")
-    with pytest.raises(FileExistsError, match="is no folder of feedback"):
+    with pytest.raises(FileExistsError, match="is not from this command"):
         Gradebook(tmp_path / "other.csv", A2, ["anna"])
 
 

@@ -57,7 +57,7 @@ def trace(): open("/proc/PARENT/mem", "rb").read(1)
 def connect(): socket.create_connection(("127.0.0.1", PORT), 2).close()
 def connect_by_name():
     with socket.socket(socket.AF_UNIX) as s:
-        s.connect("\\0meshfair-test")
+        s.connect("\\0meshfair-MESSAGES")
 def name_server(): socket.getaddrinfo("localhost.localdomain", 80)
 def new_user():
     if __import__("ctypes").CDLL(None, use_errno=True).unshare(0x10000000):
@@ -133,7 +133,7 @@ def outside():
     key = os.getpid()
     queue = libc.msgget(key, 0o1666)
     with socket.create_server(("127.0.0.1", 0)) as server, socket.socket(socket.AF_UNIX) as named:
-        named.bind("\0meshfair-test")
+        named.bind(f"\0meshfair-{key}")
         named.listen()
         yield {"PORT": str(server.getsockname()[1]), "MESSAGES": str(key)}
     libc.msgctl(queue, 0, None)

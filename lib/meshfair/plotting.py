@@ -1,4 +1,4 @@
-"""Curves with matplotlib."""
+"""Curves with matplotlib: their style in the report, and in notebooks of both themes."""
 
 from __future__ import annotations
 
@@ -36,6 +36,39 @@ STYLE: dict[Any, Any] = {  # any of matplotlib's names, which differ between its
     "svg.fonttype": "path",
     "svg.hashsalt": "meshfair",  # the same figure is the same file
 }
+
+
+# Read on white and on nearly black paper alike; what is behind them is the page.
+BOTH_THEMES: dict[Any, Any] = {
+    **dict.fromkeys(
+        ("text.color", "axes.labelcolor", "axes.titlecolor", "xtick.color", "ytick.color"),
+        "#808080",
+    ),
+    "axes.edgecolor": "#808080",
+    "axes.facecolor": "none",
+    "figure.facecolor": "none",
+    "grid.color": "#808080",
+    "legend.framealpha": 0.0,
+    "patch.edgecolor": "#808080",
+    "savefig.facecolor": "auto",
+}
+
+
+def for_both_themes() -> None:
+    """Draw all figures from now on so that they can be read on light and on dark pages.
+
+    They are transparent, with what is written in grey, because a figure is drawn once and the
+    page's theme may change.
+
+    Raises
+    ------
+    ImportError
+        matplotlib is missing; the message says what to install.
+    """
+    with needed_for("a figure"):
+        import matplotlib as mpl
+
+    mpl.rcParams.update(BOTH_THEMES)
 
 
 @contextmanager

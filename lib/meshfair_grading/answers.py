@@ -66,7 +66,12 @@ class Answer:
     failure: Failure | None = None
 
 
-def ask(function: Callable[..., Any], arguments: Sequence[Any], file: str) -> Answer:
+def ask(
+    function: Callable[..., Any],
+    arguments: Sequence[Any],
+    file: str,
+    lent: Sequence[Any] | None = None,
+) -> Answer:
     """Call a student's function on copies, and record what it returns.
 
     Parameters
@@ -76,12 +81,14 @@ def ask(function: Callable[..., Any], arguments: Sequence[Any], file: str) -> An
         Arrays, sparse matrices, numbers and `Seeded` generators.
     file : str
         The student's file, to name the line at which an error arose.
+    lent : sequence, optional
+        What the function gets in place of copies; equal to the arguments.
 
     Returns
     -------
     Answer
     """
-    given = [_fresh(argument) for argument in arguments]
+    given = [_fresh(argument) for argument in arguments] if lent is None else lent
     try:
         value = plain(function(*given))
         changed = tuple(

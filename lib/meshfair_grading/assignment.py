@@ -183,6 +183,7 @@ def _once_more(
         return [one if one.status == "right" else replace(one, note=note) for one in found]
     note = f"Marked with a right {names} in place of yours, so that a mistake costs only once."
     with corrected(called) as student:
+        student.replaced = tuple(called)
         again = [replace(_outcome(check, student, seed), note=note) for check in checks]
     return [
         one if one.status == "right" or one.earned > other.earned else other
@@ -193,7 +194,7 @@ def _once_more(
 def _outcome(check: Check, student: Student, seed: int) -> Outcome:
     """Run one check on all its cases; the one with the smallest share decides."""
     outcome = Outcome(check.task, check.title, check.points, 0.0, "wrong")
-    student.changed = []
+    student.changed, student.check = [], f"{check.task}: {check.title}"
     try:
         graded, tried = _decisive(list(_cases(check, student, seed)))
     except NotDoneError as error:
@@ -225,6 +226,7 @@ def _cases(
 ) -> Iterator[tuple[Graded | WrongAnswerError, str]]:
     """What a check finds on its cases: all of them, or up to the first that settles it."""
     for tried, *arguments in check.cases(seed):
+        student.case = tried
         try:
             yield check.run(student, *arguments) or Graded(1.0), tried
         except WrongAnswerError as wrong:

@@ -5,6 +5,7 @@ Only requests come in and values go out; no right answer is ever here.
 """
 
 import contextlib
+import copy
 import json
 import os
 import resource
@@ -16,9 +17,11 @@ from types import ModuleType
 from typing import Any
 
 import scipy.sparse.linalg  # noqa: F401  here once, so that no student's time limit pays for it
+from numpy.random import default_rng
 
 from meshfair_grading import protocol
-from meshfair_grading.answers import Answer, Failure, ask, failure
+from meshfair_grading.answers import Answer, Failure, Seeded, ask, failure
+from meshfair_grading.arguments import borrow
 from meshfair_grading.loading import load
 from meshfair_grading.rules import ImportBlocker, Rules
 
@@ -56,11 +59,18 @@ def _answer(channel: socket.socket) -> None:
     protocol.send(channel, said)
     while True:
         request = protocol.receive(channel)
+        given = borrow(channel, request["arguments"])
+        before = [copy.deepcopy(argument) for argument in given]
+        given = [default_rng(a.seed) if isinstance(a, Seeded) else a for a in given]
         function = getattr(module, request["call"], None)
         if callable(function):
-            protocol.send(channel, ask(function, request["arguments"], file))
+            answer = ask(function, before, file, given)
         else:
-            protocol.send(channel, Answer(failure=Failure("missing", request["call"])))
+            answer = Answer(failure=Failure("missing", request["call"]))
+        try:
+            protocol.send(channel, answer)
+        except BaseException:  # the student has closed the channel: no traceback of ours helps
+            os._exit(1)
 
 
 def _limit(limits: dict[str, int]) -> None:

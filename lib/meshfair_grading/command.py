@@ -8,9 +8,16 @@ new or has changed.
 import argparse
 import sys
 from collections.abc import Callable
+from contextlib import ExitStack
+from functools import partial
 from importlib.util import find_spec
 from math import isfinite
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from meshfair_grading.isolation import Isolation
+    from meshfair_grading.source import Source
 
 # Beside what marks submissions: to read an instructor's file, to write feedback, to show progress.
 NEEDED = ("jupytext", "nbformat", "jinja2", "packaging", "psutil", "tqdm")
@@ -24,7 +31,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--assignment", required=True, help="a1 ... a5, or the path of an instructor's file"
     )
-    parser.add_argument("--out", type=Path, required=True, help="the CSV to write")
+    parser.add_argument("--out", type=Path, help="the CSV to write")
+    parser.add_argument(
+        "--explain",
+        metavar="STUDENT",
+        help="print what was run and what came back for one student, and write nothing",
+    )
     parser.add_argument(
         "--force", action="store_true", help="write over files that this command did not make"
     )
@@ -40,6 +52,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--memory", type=_above_zero, default=2.0, help="limit in gigabytes (default 2)"
+    )
+    parser.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="mark on the dask cluster of this scheduler, as many at a time as it has workers",
     )
     parser.add_argument(
         "--without-walls",
@@ -80,7 +97,7 @@ def run(options: argparse.Namespace) -> int:
     Returns
     -------
     int
-        0, whatever marks the submissions got.
+        0, whatever marks the submissions got; 1 where a cluster went away.
 
     Raises
     ------
@@ -90,40 +107,73 @@ def run(options: argparse.Namespace) -> int:
     NotInstalledError
         A library is missing.
     """
-    from meshfair.checks import NotInstalledError, install
-
-    missing = [name for name in NEEDED if find_spec(name) is None]
-    if missing:  # now, and not after the first student
-        raise NotInstalledError(f"grading needs {', '.join(missing)}; run: {install('grading')}")
+    check_installed()
+    if options.out is None and options.explain is None:
+        raise ValueError("give --out the CSV to write, or --explain a student")
 
     from tqdm import tqdm
 
+    from meshfair_grading.gradebook import teachers_folder
     from meshfair_grading.isolation import Isolation, Limits
     from meshfair_grading.marking import grade
+    from meshfair_grading.overview import write_overview
     from meshfair_grading.source import Source
+    from meshfair_grading.submissions import handed_in
 
-    source = Source.read(_instructors_file(options.assignment))
+    source = Source.read(instructors_file(options.assignment))
     limits = Limits(
         call=options.seconds, total=6 * options.seconds, memory=round(options.memory * 1e9)
     )
-    isolation = Isolation.detect(limits, without_walls=options.without_walls)
-    for line in isolation.describe():
-        print(line, file=sys.stderr)
-    marks = grade(
-        options.submissions,
-        source,
-        options.out,
-        isolation,
-        seed=options.seed,
-        jobs=options.jobs,
-        force=options.force,
-        progress=lambda marks, total: tqdm(marks, total=total, unit="student"),
-    )
+    with ExitStack() as stack:
+        elsewhere = None
+        if options.scheduler is None or options.explain is not None:
+            isolation = Isolation.detect(limits, without_walls=options.without_walls)
+            lines = isolation.describe()
+        else:
+            from meshfair.experiments.cluster import connect
+            from meshfair_grading.cluster import PACKAGES, check_walls, marks_on
+
+            cluster = stack.enter_context(connect(options.scheduler, packages=PACKAGES))
+            isolation = Isolation(limits)
+            lines = check_walls(cluster, without_walls=options.without_walls)
+            elsewhere = partial(
+                marks_on,
+                cluster,
+                source=source,
+                limits=limits,
+                without_walls=options.without_walls,
+            )
+        for line in lines:
+            print(line, file=sys.stderr)
+        if options.seed is None:
+            print(
+                f"seed: that of {source.path.name}, which students know; give --seed a number "
+                "that only you know, and note it for appeals",
+                file=sys.stderr,
+            )
+        if options.explain is not None:
+            print(_explained(options.explain, options.submissions, source, isolation, options.seed))
+            return 0
+        marks = grade(
+            options.submissions,
+            source,
+            options.out,
+            isolation,
+            seed=options.seed,
+            jobs=options.jobs,
+            force=options.force,
+            progress=lambda marks, total: tqdm(marks, total=total, unit="student"),
+            elsewhere=elsewhere,
+        )
+    assignment = source.load()
+    teacher = teachers_folder(options.out)
+    files = handed_in(options.submissions, source.name)
+    write_overview(teacher, assignment, marks, files, source.stub())
     earned = [sum(outcome.earned for outcome in mark.outcomes) for mark in marks]
     graded = sum(mark.status == "graded" for mark in marks)
     print(
         f"{len(marks)} submissions, {graded} of them could be run, "
-        f"mean {sum(earned) / len(earned):.1f} points: {options.out}"
+        f"mean {sum(earned) / len(earned):.1f} points: {options.out}, {teacher / 'overview.html'}"
     )
     return 0
 
@@ -143,7 +193,39 @@ def walls_of_this_system() -> tuple[str, str, str]:
     return "note", found, "without it meshfair grade marks with --without-walls only"
 
 
-def _instructors_file(assignment: str) -> Path:
+def check_installed() -> None:
+    """Raise `NotInstalledError` where a library is missing: now, not after the first student."""
+    from meshfair.checks import NotInstalledError, install
+
+    missing = [name for name in NEEDED if find_spec(name) is None]
+    if missing:
+        raise NotInstalledError(f"grading needs {', '.join(missing)}; run: {install('grading')}")
+
+
+def _explained(
+    student: str, folder: Path, source: "Source", isolation: "Isolation", seed: int | None
+) -> str:
+    """How the mark of one student came about."""
+    from meshfair_grading.explain import explain
+    from meshfair_grading.submissions import find, handed_in
+
+    found = {one.student: one for one in find(folder, source.name)}
+    if student not in found:
+        raise ValueError(f"{folder} has no submission of {student}; there are {', '.join(found)}")
+    content = handed_in(folder, source.name).get(student, b"")
+    assignment = source.load()
+    seed = assignment.seed if seed is None else seed
+    return explain(found[student], content, assignment, isolation, seed)
+
+
+def known_assignments() -> list[str]:
+    """The names of the assignments that came with this installation."""
+    from meshfair_grading.generate import ASSIGNMENTS
+
+    return sorted(file.stem for file in (ASSIGNMENTS / "source").glob("*.py"))
+
+
+def instructors_file(assignment: str) -> Path:
     """The file of an assignment that is given by its path or, in a clone, by its name."""
     from meshfair.checks import did_you_mean
     from meshfair_grading.generate import ASSIGNMENTS
@@ -160,7 +242,7 @@ def _instructors_file(assignment: str) -> Path:
             "this installation came without the assignments; give --assignment the path of an "
             f"instructor's file, such as notebooks/assignments/source/{path.name} of the repository"
         )
-    known = sorted(file.stem for file in folder.glob("*.py"))
+    known = known_assignments()
     raise ValueError(
         f"there is no assignment {assignment}; there are {', '.join(known)}"
         f"{did_you_mean(assignment, known)}"

@@ -91,7 +91,7 @@ class Report:
         -------
         str
         """
-        return _templates().get_template("report.html.jinja").render(report=self)
+        return templates().get_template("report.html.jinja").render(report=self)
 
     def page(self) -> str:
         """The report as an HTML page of its own.
@@ -100,7 +100,7 @@ class Report:
         -------
         str
         """
-        return _templates().get_template("page.html.jinja").render(report=self)
+        return templates().get_template("page.html.jinja").render(report=self)
 
     def by_task(self) -> list[tuple[str, list[Outcome]]]:
         """The tasks, each with its outcomes."""
@@ -137,7 +137,8 @@ def _details(outcome: Outcome) -> list[tuple[str, str]]:
 
 
 @cache
-def _templates() -> Environment:
+def templates() -> Environment:
+    """The pages, and what they need."""
     from jinja2 import Environment, PackageLoader
 
     environment = Environment(

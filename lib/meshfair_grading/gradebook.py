@@ -14,7 +14,7 @@ import tempfile
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from meshfair_grading.assignment import Assignment
 from meshfair_grading.feedback import Report, quoted
@@ -39,6 +39,20 @@ class Mark:
     final: bool = True
     """False where this machine could not mark it: it is tried again in the next run."""
 
+    @classmethod
+    def from_record(cls, record: dict[str, Any]) -> Self:
+        """A mark as `dataclasses.asdict` has taken it apart, by way of JSON or not.
+
+        Parameters
+        ----------
+        record : dict
+
+        Returns
+        -------
+        Mark
+        """
+        return cls(**{**record, "outcomes": [Outcome(**one) for one in record["outcomes"]]})
+
     def report(self, assignment: Assignment) -> Report:
         """The feedback for the student.
 
@@ -53,6 +67,11 @@ class Mark:
     def metric(self) -> float | None:
         """The figure for the leaderboard, or None."""
         return next((o.metric for o in self.outcomes if o.metric is not None), None)
+
+
+def teachers_folder(out: Path) -> Path:
+    """Where the pages lie that are for the teacher alone: beside the CSV."""
+    return out.with_name(f"{out.stem}_teacher")
 
 
 class Gradebook:
@@ -86,6 +105,7 @@ class Gradebook:
     ) -> None:
         self.out = Path(out)
         self.feedback = self.out.with_name(f"{self.out.stem}_feedback")
+        self.teacher = teachers_folder(self.out)
         self.assignment = assignment
         self._names = file_names(students)
         if submissions is not None:
@@ -97,7 +117,7 @@ class Gradebook:
 
     def _keep_out_of(self, submissions: Path) -> None:
         inside = submissions.resolve()
-        for place in (self.out, self.feedback):
+        for place in (self.out, self.feedback, self.teacher):
             if place.resolve().is_relative_to(inside):
                 raise ValueError(
                     f"{printable(str(self.out))} lies among the submissions, where results would "
@@ -118,11 +138,12 @@ class Gradebook:
                 f"{out} is there already, and was not written by this command or has been changed "
                 "since; give --out another name, or replace it with --force"
             )
-        if not about and self.feedback.exists() and any(self.feedback.iterdir()):
-            raise FileExistsError(
-                f"{printable(str(self.feedback))} is there already, and is no folder of feedback; "
-                "give --out another name, or write into it with --force"
-            )
+        for folder in (self.feedback, self.teacher):
+            if not about and folder.exists() and any(folder.iterdir()):
+                raise FileExistsError(
+                    f"{printable(str(folder))} is there already, and is not from this command; "
+                    "give --out another name, or write into it with --force"
+                )
 
     def _about(self) -> dict[str, Any]:
         """What an earlier run has written about itself, or nothing."""
@@ -153,8 +174,7 @@ class Gradebook:
             record = json.loads(self._record(student).read_text(encoding="utf-8"))
             if record.pop("key") != key:
                 return None
-            record["outcomes"] = [Outcome(**outcome) for outcome in record["outcomes"]]
-            return Mark(**record)
+            return Mark.from_record(record)
         except (OSError, ValueError, KeyError, TypeError):
             return None
 

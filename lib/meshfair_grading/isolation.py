@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self
 
-from meshfair_grading import protocol, walls
+from meshfair_grading import protocol, view, walls
 from meshfair_grading.watch import Together, Watch
 
 KEPT_OUTPUT = 4000
@@ -33,6 +33,8 @@ START = (
     "runpy.run_module('meshfair_grading.child', run_name='__main__')"
 )
 PACKAGES = Path(__file__).parents[1]
+# That can be imported, and that cannot.
+Modules = tuple[Sequence[str], Sequence[str]]
 STARTUP = 60.0  # seconds; importing SciPy on a busy machine
 # From here on Linux counts a user's processes within the walls alone.
 COUNTS_WITHIN = (5, 14)
@@ -105,7 +107,7 @@ class Isolation:
                 "--without-walls in a machine that you can throw away"
             )
         isolation = cls(limits, walls=not trouble)
-        isolation.start(b"", "trial.py", ()).stop()
+        isolation.start(b"", "trial.py").stop()
         return isolation
 
     def describe(self) -> list[str]:
@@ -134,15 +136,22 @@ class Isolation:
             *lines,
         ]
 
-    def start(self, source: bytes, filename: str, allowed: Sequence[str]) -> "Process":
+    def start(
+        self,
+        source: bytes,
+        filename: str,
+        allowed: Sequence[str] = (),
+        blocked: Sequence[str] = (),
+    ) -> "Process":
         """Start a process with a submission's file in its folder.
 
         Parameters
         ----------
         source : bytes
         filename : str
-        allowed : sequence of str
-            Modules of libraries that it can import.
+        allowed, blocked : sequence of str
+            Modules of libraries that it can import, beside NumPy and SciPy, and others of
+            the same libraries that it cannot.
 
         Returns
         -------
@@ -153,14 +162,19 @@ class Isolation:
         OSError
             It did not start; the message holds what it printed.
         """
-        return Process(source, filename, allowed, self)
+        modules = ("numpy", "scipy", *allowed), blocked
+        return Process(source, filename, modules, self)
 
 
 class Process:
     """A student's process, its folder and the channel to it."""
 
     def __init__(
-        self, source: bytes, filename: str, allowed: Sequence[str], isolation: Isolation
+        self,
+        source: bytes,
+        filename: str,
+        modules: Modules,
+        isolation: Isolation,
     ) -> None:
         self._isolation = isolation
         self._output = tempfile.TemporaryFile()  # noqa: SIM115  closed in stop
@@ -171,7 +185,7 @@ class Process:
             file.write(source)
             file.seek(0)
             start = self._behind_walls if isolation.walls else self._in_the_open
-            self.file, self._popen = start(file.fileno(), filename, source, allowed, theirs)
+            self.file, self._popen = start(file.fileno(), filename, source, modules, theirs)
         self._watch = Watch(
             self._popen.pid,
             Together(isolation.limits.memory, isolation.limits.processes, isolation.limits.entries),
@@ -188,26 +202,33 @@ class Process:
         self._watch.start()
 
     def _behind_walls(
-        self, fd: int, filename: str, source: bytes, allowed: Sequence[str], theirs: socket.socket
+        self, fd: int, filename: str, source: bytes, modules: Modules, theirs: socket.socket
     ) -> tuple[str, subprocess.Popen[bytes]]:
         isolation = self._isolation
-        modules = ("numpy", "scipy", *allowed)
-        path = [walls.GRADER, *walls.library_folders(modules)]
+        allowed, blocked = modules
+        path = [view.GRADER, *view.folders(allowed, blocked)]
         cache = isolation.numba_cache
+        filtered = walls.kernel_filter()
         command = walls.command(
-            self._python(sys._base_executable, theirs, after=path, compiled=cache is not None),  # type: ignore[attr-defined]
-            modules,
+            self._python(str(view.PYTHON), theirs, after=path, compiled=cache is not None),
+            allowed,
+            blocked=blocked,
             box=isolation.limits.file,
             files=[(fd, filename)],
+            filtered=filtered,
             compiled=cache,
             keep_compiled=isolation.keep_compiled,
             environment=_environment(walls.HOME),
         )
-        popen = self._popen_of(command, [fd, theirs.fileno()])
-        return str(walls.HOME / filename), popen
+        fds = [fd, theirs.fileno(), *([] if filtered is None else [filtered])]
+        try:
+            return str(walls.HOME / filename), self._popen_of(command, fds)
+        finally:
+            if filtered is not None:
+                os.close(filtered)
 
     def _in_the_open(
-        self, fd: int, filename: str, source: bytes, allowed: Sequence[str], theirs: socket.socket
+        self, fd: int, filename: str, source: bytes, modules: Modules, theirs: socket.socket
     ) -> tuple[str, subprocess.Popen[bytes]]:
         self._folder = tempfile.TemporaryDirectory(prefix="meshfair-", ignore_cleanup_errors=True)
         folder = Path(self._folder.name)
@@ -250,15 +271,20 @@ class Process:
     def _popen_of(
         self, command: list[str], fds: list[int], **options: Any
     ) -> subprocess.Popen[bytes]:
-        return subprocess.Popen(
-            command,
-            stdin=subprocess.DEVNULL,
-            stdout=self._output,
-            stderr=subprocess.STDOUT,
-            pass_fds=fds,
-            start_new_session=True,  # a group of its own, to be killed as one
-            **options,
-        )
+        nothing, writing = os.pipe()  # not a device of this system's, whose times can be changed
+        os.close(writing)
+        try:
+            return subprocess.Popen(
+                command,
+                stdin=nothing,
+                stdout=self._output,
+                stderr=subprocess.STDOUT,
+                pass_fds=fds,
+                start_new_session=True,  # a group of its own, to be killed as one
+                **options,
+            )
+        finally:
+            os.close(nothing)
 
     def _kill(self) -> None:
         with contextlib.suppress(ProcessLookupError, PermissionError):

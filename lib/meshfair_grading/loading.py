@@ -58,5 +58,8 @@ def load(file: str, rules: Rules) -> tuple[ModuleType, Reading]:
 
 
 def _left_out(why: Failure, line: int) -> str:
-    where = f" (line {why.line}: `{why.code}`)" if why.line not in (0, line) else f": `{why.code}`"
-    return f"Line {line} was left out, it ended with {why.message}{where}."
+    inside = f" in line {why.line}" if why.line not in (0, line) else ""
+    return (
+        f"Line {line} stands outside all functions and was left out, because it ended with an "
+        f"error{inside}, `{why.code}`: {why.message}"
+    )

@@ -21,7 +21,13 @@ from meshfair_grading.students import IsolatedStudent
 from meshfair_grading.submissions import Submission, find, read
 
 
-def mark(submission: Submission, assignment: Assignment, isolation: Isolation, seed: int) -> Mark:
+def mark(
+    submission: Submission,
+    assignment: Assignment,
+    isolation: Isolation,
+    seed: int,
+    kind: type[IsolatedStudent] = IsolatedStudent,
+) -> Mark:
     """Mark one submission.
 
     Parameters
@@ -30,6 +36,8 @@ def mark(submission: Submission, assignment: Assignment, isolation: Isolation, s
     assignment : meshfair_grading.assignment.Assignment
     isolation : meshfair_grading.isolation.Isolation
     seed : int
+    kind : type, optional
+        What asks the submission; another one may write down what it asks.
 
     Returns
     -------
@@ -42,14 +50,11 @@ def mark(submission: Submission, assignment: Assignment, isolation: Isolation, s
     except ValueError as error:
         return Mark(submission.student, _nothing(assignment), str(error), [*remarks, str(error)])
     try:
-        with IsolatedStudent(source, assignment.name, assignment.rules, isolation) as student:
+        with kind(source, assignment.name, assignment.rules, isolation) as student:
             corrected = with_right_functions(source, assignment, student, isolation)
             outcomes = assignment.mark(student, seed, corrected=corrected)
     except OSError as error:  # of this machine, not of the student
-        why = f"This machine could not mark it ({error}): start the command again."
-        return Mark(
-            submission.student, _nothing(assignment), "not marked", [*remarks, why], final=False
-        )
+        return not_marked(submission, assignment, str(error))
     remarks += student.remarks
     broken = student.whole_file
     status = "graded"
@@ -58,6 +63,25 @@ def mark(submission: Submission, assignment: Assignment, isolation: Isolation, s
         remarks.append(f"The file could not be loaded: {broken.message}{where}")
         status = _status(broken)
     return Mark(submission.student, outcomes, status, remarks, student.printed)
+
+
+def not_marked(submission: Submission, assignment: Assignment, reason: str) -> Mark:
+    """What stands for a submission that no machine could mark, until the next run.
+
+    Parameters
+    ----------
+    submission : Submission
+    assignment : meshfair_grading.assignment.Assignment
+    reason : str
+
+    Returns
+    -------
+    Mark
+    """
+    remarks = [submission.remark] if submission.remark else []
+    why = f"This machine could not mark it ({reason}): start the command again."
+    nothing = _nothing(assignment)
+    return Mark(submission.student, nothing, "not marked", [*remarks, why], final=False)
 
 
 def _status(broken: Failure) -> str:
@@ -82,6 +106,7 @@ def grade(
     jobs: int = 2,
     force: bool = False,
     progress: Callable[..., Iterable[Mark]] | None = None,
+    elsewhere: Callable[[list[Submission], int], Iterator[Mark]] | None = None,
 ) -> list[Mark]:
     """Mark all submissions of a folder; one that has its mark already is not run again.
 
@@ -101,6 +126,9 @@ def grade(
         Write over files that are not the grader's own.
     progress : callable, optional
         ``progress(marks, total=count)`` gets an iterable and gives it on, as tqdm does.
+    elsewhere : callable, optional
+        ``elsewhere(submissions, seed)`` marks them in place of this machine; see
+        `meshfair_grading.cluster.marks_on`.
 
     Returns
     -------
@@ -123,18 +151,33 @@ def grade(
     waiting = [s for s in submissions if marks[s.student] is None]
     try:
         if waiting:
-            with tempfile.TemporaryDirectory(prefix="meshfair-") as cache:
-                walls.give(Path(cache))
-                isolation = replace(isolation, numba_cache=Path(cache))
-                dry_run(source, assignment, isolation, seed)
-                found = _in_parallel(jobs, waiting, assignment, isolation, seed)
-                for one in progress(found, total=len(waiting)) if progress else found:
-                    book.add(one, keys[one.student])
-                    marks[one.student] = one
+            if elsewhere is not None:
+                found = elsewhere(waiting, seed)
+            else:
+                found = _here(waiting, source, assignment, isolation, seed, jobs)
+            for one in progress(found, total=len(waiting)) if progress else found:
+                book.add(one, keys[one.student])
+                marks[one.student] = one
     finally:  # after an interruption too: the table of those who have a mark
         marked = [one for one in marks.values() if one is not None]
         book.write_tables(marked)
     return marked
+
+
+def _here(
+    submissions: list[Submission],
+    source: Source,
+    assignment: Assignment,
+    isolation: Isolation,
+    seed: int,
+    jobs: int,
+) -> Iterator[Mark]:
+    """The marks of submissions from this machine, as they come."""
+    with tempfile.TemporaryDirectory(prefix="meshfair-") as cache:
+        walls.give(Path(cache))
+        isolation = replace(isolation, numba_cache=Path(cache))
+        dry_run(source, assignment, isolation, seed)
+        yield from _in_parallel(jobs, submissions, assignment, isolation, seed)
 
 
 def _in_parallel(jobs: int, submissions: list[Submission], *arguments: Any) -> Iterator[Mark]:

@@ -1,12 +1,13 @@
 """What a notebook needs: pictures of the student's own result, patience, and checks.
 
 ``%load_ext meshfair_grading.notebook`` makes a cell that meets a function which
-is not done yet end with one line instead of a traceback. `practise` lends the checks of an
-assignment to a notebook of the course.
+is not done yet end with one line instead of a traceback, and figures that can be read on light
+and on dark pages. `practise` lends the checks of an assignment to a notebook of the course.
 """
 
 import io
 import runpy
+import sys
 import traceback
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -17,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from meshfair.plotting import for_both_themes
 from meshfair.viewer import Camera, render
 from meshfair_grading.assignment import Assignment
 from meshfair_grading.generate import ASSIGNMENTS
@@ -124,6 +126,7 @@ def practise(assignment: str) -> Assignment:
 def load_ipython_extension(shell: Any) -> None:
     """Called by IPython's ``%load_ext``."""
     shell.set_custom_exc((NotImplementedError,), _say_what_is_not_done)
+    for_both_themes()
 
 
 def _say_what_is_not_done(
@@ -133,5 +136,8 @@ def _say_what_is_not_done(
     trace: TracebackType,
     tb_offset: int | None = None,
 ) -> None:
+    pyplot = sys.modules.get("matplotlib.pyplot")
+    if pyplot is not None:
+        pyplot.close("all")  # else the cell would show the empty axes that it has begun with
     stub = traceback.extract_tb(trace)[-1]
     print(f"`{stub.name}` is not done yet ({Path(stub.filename).name}, line {stub.lineno})")

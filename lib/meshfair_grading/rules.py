@@ -108,8 +108,8 @@ def read(source: str | bytes, rules: Rules) -> Reading:
             if isinstance(statement, ast.Import | ast.ImportFrom):
                 code = ast.unparse(statement)
             reading.remarks.append(
-                f"Line {statement.lineno} was left out, and costs only what needs it: `{code}`. "
-                f"The assignment does not allow {failure.message}."
+                f"Line {statement.lineno}, `{code}`, was left out: the assignment does not allow "
+                f"{failure.message}. Only functions that need it lose points."
             )
         if kept:
             reading.statements.append(statement)

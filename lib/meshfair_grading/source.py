@@ -158,6 +158,34 @@ class Source:
             f"{self.name}_checks.py": self._text("checks", _released),
         }
 
+    def solution_files(self) -> dict[str, str]:
+        """What the teacher gets: a notebook in which the solution stands after each task's text.
+
+        Returns
+        -------
+        dict of str to str
+            Contents by file name: the notebook, which runs from top to bottom; the solution as
+            it would be handed in; the checks, with the hidden tests.
+        """
+        name = self.name
+        cells = []
+        for index, cell in enumerate(self.cells):
+            text = cell.text
+            if cell.kind == "checks":
+                continue
+            if cell.kind == "module":
+                text = _without_markers(text)
+            elif cell.kind != "[markdown]":  # the functions are the notebook's own here
+                text = re.sub(rf"^import {name}\n", "", text, flags=re.M)
+                text = re.sub(rf"\b{name}\.(?=\w)", "", text)
+            cells.append(_notebook_cell(f"{name}-{index:02}", cell, text, {}))
+        checks = self._text("checks", _without_markers)
+        return {
+            f"{name}.ipynb": _notebook(cells),
+            f"{name}.py": self.solution(),
+            f"{name}_checks.py": f'{checks}\ncheck.module = "__main__"\n',
+        }
+
     def nbgrader_notebook(self) -> str:
         """The file as a source notebook of nbgrader: everything in its cells.
 

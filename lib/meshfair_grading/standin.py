@@ -39,7 +39,7 @@ def with_right_functions(
     def corrected(names: Sequence[str]) -> IsolatedStudent:
         limits = replace(isolation.limits, total=round(student.left, 1))
         file = source + b"\n\n\n" + stand_in(assignment, names).encode()
-        return IsolatedStudent(
+        return type(student)(
             file, assignment.name, assignment.rules, replace(isolation, limits=limits)
         )
 

@@ -10,12 +10,15 @@ import sys
 import time
 import traceback
 from collections.abc import Callable
+from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType, TracebackType
 from typing import Any, Self
 
 from meshfair_grading import protocol
 from meshfair_grading.answers import Answer, Failure, ask, failure
+from meshfair_grading.arguments import Lent
 from meshfair_grading.expect import WrongAnswerError
 from meshfair_grading.isolation import Isolation, Process
 from meshfair_grading.loading import MOST_REMARKS
@@ -32,6 +35,10 @@ class Student:
     def __init__(self) -> None:
         self.changed: list[tuple[str, int]] = []
         """Function and index of each argument that the current check's calls changed."""
+        self.check = self.case = ""
+        """What is being checked, and on what."""
+        self.replaced: tuple[str, ...] = ()
+        """Functions that are not the student's own."""
         self.calls: dict[str, list[str]] = {}
         """By function: the functions of the student's file that it names."""
         self._answers: dict[tuple[Any, ...], tuple[tuple[Any, ...], Answer]] = {}
@@ -187,16 +194,19 @@ class IsolatedStudent(Student):
         broken = self._failures.get("") or self._failures.get(name)
         if broken:
             return Answer(failure=broken)
-        reply, lost = self._exchange({"call": name, "arguments": list(arguments)})
-        if isinstance(reply, Answer):
-            return reply
+        with closing(Lent(arguments)) as lent:
+            reply, lost = self._exchange({"call": name, "arguments": lent.layout}, lent)
+            if isinstance(reply, Answer):
+                # What it says of its own accord is what only it can see, such as a matrix
+                # whose arrays are other ones now.
+                return replace(reply, changed=tuple({*reply.changed, *lent.changed()}))
         # The same call would end the same way; the other functions get a new process.
         self._failures[name] = lost or Failure("crashed", "sent an invalid message")
         return Answer(failure=self._failures[name])
 
     def _start(self) -> None:
         self._process = self._isolation.start(
-            self._source, f"{self._assignment}.py", self._rules.allowed
+            self._source, f"{self._assignment}.py", self._rules.allowed, self._rules.blocked
         )
         request = {
             "load": self._process.file,
@@ -224,7 +234,9 @@ class IsolatedStudent(Student):
         if isinstance(calls, dict):
             self.calls = {k: [str(n) for n in v] for k, v in calls.items() if isinstance(v, list)}
 
-    def _exchange(self, request: dict[str, Any]) -> tuple[Any, Failure | None]:
+    def _exchange(
+        self, request: dict[str, Any], lent: Lent | None = None
+    ) -> tuple[Any, Failure | None]:
         """Send a request and wait for the reply: (reply, why the process is lost)."""
         limits = self._isolation.limits
         if self._process is None or self._left <= 0:
@@ -236,6 +248,8 @@ class IsolatedStudent(Student):
         try:
             channel.settimeout(deadline - start)
             protocol.send(channel, request)
+            if lent is not None:
+                lent.send(channel)
             return protocol.receive(channel, deadline), None
         except TimeoutError:
             self._stop()

@@ -180,3 +180,22 @@ def read(submission: Submission) -> bytes:
     if len(content) > LARGEST_FILE:
         raise ValueError(f"a file of more than {LARGEST_FILE / 1e6:g} MB")
     return content
+
+
+def handed_in(folder: str | Path, assignment: str) -> dict[str, bytes]:
+    """The files that can be read, by student.
+
+    Parameters
+    ----------
+    folder : path
+    assignment : str
+
+    Returns
+    -------
+    dict of str to bytes
+    """
+    found = {}
+    for submission in find(folder, assignment):
+        with contextlib.suppress(ValueError):
+            found[submission.student] = read(submission)
+    return found

@@ -3,7 +3,7 @@
 import contextlib
 import os
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -68,20 +68,53 @@ class Watch(threading.Thread):
         self.join()
 
     def _too_much(self) -> str:
-        processes = [self._first, *self._first.children(recursive=True)]
-        memory = threads = 0
+        processes = list(_with_all_below(self._first))
+        resident = threads = 0
         for process in processes:
             with contextlib.suppress(psutil.Error):  # it has ended in between
-                used = process.memory_info()
-                memory += used.rss - getattr(used, "shared", 0)
+                resident += process.memory_info().rss
                 threads += process.num_threads()
         limits = self._limits
-        if memory > limits.memory:
+        # What several share counts in each of them, so this is more than they hold.
+        if resident > limits.memory and sum(map(_held, processes)) > limits.memory:
             return f"used more than {limits.memory / 1e9:g} GB of memory in all its processes"
         if threads > limits.processes:
             return f"started more than {limits.processes} processes or threads"
-        if self._box is not None:
-            inside = os.statvfs(f"/proc/{processes[-1].pid}/root{self._box}")
-            if inside.f_files - inside.f_ffree > limits.entries:
-                return f"made more than {limits.entries:,} files"
+        if self._box is not None and _entries(processes, self._box) > limits.entries:
+            return f"made more than {limits.entries:,} files"
         return ""
+
+
+def _with_all_below(first: psutil.Process) -> Iterator[psutil.Process]:
+    """A process and those below it."""
+    if not Path(f"/proc/{first.pid}/task/{first.pid}/children").exists():
+        yield from (first, *first.children(recursive=True))  # looks at all of the system's
+        return
+    waiting = [first.pid]
+    while waiting:
+        pid = waiting.pop()
+        with contextlib.suppress(psutil.Error, OSError):
+            yield psutil.Process(pid)
+            for task in Path(f"/proc/{pid}/task").iterdir():
+                waiting += map(int, (task / "children").read_text().split())
+
+
+def _held(process: psutil.Process) -> int:
+    """Bytes that a process holds, of what is shared its part."""
+    try:
+        try:
+            full = process.memory_full_info()
+            return int(full.pss + full.swap)
+        except (psutil.AccessDenied, AttributeError):
+            return int(process.memory_info().rss)
+    except psutil.Error:  # it has ended in between
+        return 0
+
+
+def _entries(processes: list[psutil.Process], box: Path) -> int:
+    """How many files and folders there are in the writable folder."""
+    for process in reversed(processes):  # the last ones are those within the walls
+        with contextlib.suppress(OSError):
+            inside = os.statvfs(f"/proc/{process.pid}/root{box}")
+            return inside.f_files - inside.f_ffree
+    return 0

@@ -7,22 +7,27 @@ writes report/results/sweeping.csv. Each row is one sweep, with a journal, in a 
     where             here (this process alone); cluster (two workers of `connect`); one a message
                       (the same, with one cell in each message to a worker: the most that the
                       scheduler is asked for)
+                      or light submissions: files without functions, marked on the cluster
     cells, workers
     seconds           of the whole sweep, without the start of the workers
     client_ms         processor time of the client and the scheduler, by cell; where the
                       cells run here, too, beyond their own
     worker_ms         processor time of the workers beyond that of the cells themselves, by cell
+                      (for submissions, which run in processes of their own, all of the workers')
     peak_bytes        most memory of client and scheduler, beyond that before the first cell
-    written, read     rows of the journal by second, written one by one, and read
+    written, read     rows of the journal by second, written one by one, and read (submissions
+                      have records instead: NaN)
 """
 
 import argparse
 import json
+import math
 import subprocess
 import sys
 import tempfile
 import time
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 
 import measuring
@@ -30,12 +35,24 @@ import measuring
 from meshfair.experiments import dispatch, journal
 from meshfair.experiments.cluster import connect
 from meshfair.experiments.sweep import Sweep
+from meshfair_grading.cluster import PACKAGES, marks_on
+from meshfair_grading.generate import ASSIGNMENTS
+from meshfair_grading.isolation import Isolation, Limits
+from meshfair_grading.marking import grade
+from meshfair_grading.source import Source
 
 RESULTS = Path(__file__).resolve().parents[2] / "report" / "results"
 CELL_SECONDS = 1e-3
 WORKERS = 2
 CELLS = 20_000
-ROWS = [("here", CELLS), ("cluster", CELLS // 10), ("cluster", CELLS), ("one a message", CELLS)]
+GRADING = "light submissions"
+ROWS = [
+    ("here", CELLS),
+    ("cluster", CELLS // 10),
+    ("cluster", CELLS),
+    ("one a message", CELLS // 10),
+    (GRADING, 200),
+]
 
 
 def busy(x, seconds):
@@ -49,7 +66,7 @@ def busy(x, seconds):
 def measure(where, count):
     """One row of the table."""
     if where == "one a message":
-        dispatch.BATCH_SECONDS = 1e-9
+        dispatch.BATCH_SECONDS, dispatch.MESSAGES = 1e-9, math.inf
     grid = {"experiment": busy, "x": list(range(count)), "seconds": CELL_SECONDS}
     with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
         path = Path(folder) / "rows.jsonl"
@@ -74,6 +91,36 @@ def measure(where, count):
         "client_ms": client if cluster else client - own,
         "worker_ms": workers - own if cluster else 0.0,
         "peak_bytes": peak, "written": written, "read": read,
+    }  # fmt: skip
+
+
+def measure_grading(count):
+    """One row of the table: submissions in place of cells."""
+    source, limits = Source.read(ASSIGNMENTS / "source" / "a2.py"), Limits()
+    with tempfile.TemporaryDirectory() as folder, connect(workers=WORKERS, packages=PACKAGES) as c:
+        c.client.wait_for_workers(WORKERS)
+        submissions = Path(folder) / "submissions"
+        submissions.mkdir()
+        for k in range(count):
+            (submissions / f"student{k:05}.py").write_text(f"# {k}\n")
+        mark = partial(marks_on, c, source=source, limits=limits, without_walls=True)
+        out, isolation = Path(folder) / "marks.csv", Isolation(limits)
+        before = _processor_seconds(c)
+        peak, (seconds, marks) = measuring.peak_memory(
+            lambda: measuring.timed(
+                lambda: grade(submissions, source, out, isolation, seed=7, elsewhere=mark)
+            )
+        )
+        client, workers = (
+            1e3 * (after - first) / count
+            for after, first in zip(_processor_seconds(c), before, strict=True)
+        )
+    if {mark.status for mark in marks} != {"graded"}:
+        raise RuntimeError("not all submissions were marked")
+    return {
+        "where": GRADING, "cells": count, "workers": WORKERS, "seconds": seconds,
+        "client_ms": client, "worker_ms": workers, "peak_bytes": peak,
+        "written": math.nan, "read": math.nan,
     }  # fmt: skip
 
 
@@ -120,7 +167,8 @@ def main():
     parser.add_argument("--row", nargs=2, metavar=("WHERE", "CELLS"), help="measure this alone")
     options = parser.parse_args()
     if options.row:
-        print(json.dumps(measure(options.row[0], int(options.row[1]))))
+        where, count = options.row[0], int(options.row[1])
+        print(json.dumps(measure_grading(count) if where == GRADING else measure(where, count)))
         return
     measuring.write(RESULTS / "sweeping.csv", table())
 

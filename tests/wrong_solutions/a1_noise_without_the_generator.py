@@ -1,6 +1,6 @@
 # task: add_noise
 # points: 3
-# hint: draw with rng
+# hint: not with np.random
 import numpy as np
 
 

@@ -1,6 +1,7 @@
 # task: edges
 # points: 0
 # hint: (i, j) and as (j, i)
+# also: not all rows have i < j
 import numpy as np
 
 

@@ -157,6 +157,7 @@ class _Task:
 
         options, chosen = self.options, dict(self.chosen)
         V, F, attributes = files.read_whole(source, options)
+        files.warn_of_problems(source, V, F)
         if options.fixed:
             joined = join(V, F)  # a seam is no boundary
             chosen["fixed"] = np.isin(joined.copies, boundary_vertices(joined.F))

@@ -163,6 +163,37 @@ def read_whole(path: Place, options: argparse.Namespace) -> tuple[Floats, Intege
     return io.read(path, weld=weld, attributes=True)
 
 
+# What denoise and noise say themselves, where they meet it.
+TOLD_ANYWAY = ("duplicate_vertices", "inconsistent_edges")
+
+
+def warn_of_problems(path: Place, V: Floats, F: Integers) -> None:
+    """Say in one line which problems of a mesh may spoil what is done to it.
+
+    Parameters
+    ----------
+    path : Place
+    V : ndarray of float64, shape (n, 3)
+    F : ndarray of int64, shape (m, 3)
+
+    Warns
+    -----
+    MeshWarning
+    """
+    from meshfair.checks import warn
+    from meshfair.mesh import inspect
+    from meshfair.mesh.findings import KINDS
+
+    problems = [
+        f"{len(found.where):,} {KINDS[found.kind].title}"
+        for found in inspect(V, F).findings
+        if found.problem and found.kind not in TOLD_ANYWAY
+    ]
+    if problems:
+        told = "; ".join(problems)
+        warn(f"{path}: {told} (meshfair info says what that affects, and what helps)")
+
+
 def ending(path: Path) -> str:
     """The ending of a file's name that tells its format, in lower case, with its dot."""
     return Path(path.name.lower().removesuffix(".gz")).suffix

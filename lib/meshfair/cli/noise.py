@@ -74,6 +74,7 @@ def run(options: argparse.Namespace) -> int:
     if options.decibels is not None:
         check_number(options.decibels, "--snr", *SNR_RANGE)
     V, F, attributes = files.read_whole(source, options)
+    files.warn_of_problems(source, V, F)
     rng = np.random.default_rng(options.seed)
     if options.model == "impulsive":
         V_noisy = noise.impulsive(V, F, sizes["sigma"], sizes["fraction"], rng)

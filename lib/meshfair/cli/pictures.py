@@ -44,7 +44,7 @@ def write_picture(path: Path, shown: "SideBySide", inputs: Sequence[Path], force
     width, height = SIZE
     size = (len(shown.panels) * width + (BAR if shown.scale else 0), height)
     data = BytesIO()
-    shown.still(size).save(data, FORMATS[path.suffix.lower()])
+    shown.still(size, background="white").save(data, FORMATS[path.suffix.lower()])
     check_picture(path, inputs, force)
     replace_file(path, data.getvalue())
 

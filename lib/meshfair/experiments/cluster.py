@@ -2,47 +2,51 @@
 
 from __future__ import annotations
 
-import hashlib
 import logging
 import platform
 import time
 from collections import OrderedDict
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import meshfair
 from meshfair import _fast
 from meshfair.checks import check_count, needed_for
 from meshfair.experiments.cells import Cell, Row, run_batch
 from meshfair.experiments.dispatch import LostError, SweepStoppedError, WorkerDiedError
 from meshfair.experiments.meshes import Mesh, digest, load_mesh
+from meshfair.experiments.versions import WrongVersionError, asked, refused, version
 
 if TYPE_CHECKING:
     from distributed import Client, Future
 
 WAIT = 60.0  # seconds for a first worker to come, and for another when none is left
 MESHES = 16  # that the cluster keeps beyond those in use
-# `dispatch` counts a worker's deaths, not the scheduler; and copies of meshes stay where they are.
-SCHEDULER = {
+# notebooks/SWEEPS.md has the same for clusters of one's own.
+CONFIGURATION = {
+    # `dispatch` counts a worker's deaths, not the scheduler.
     "distributed.scheduler.allowed-failures": 0,
+    # Copies of meshes stay where they are.
     "distributed.scheduler.active-memory-manager.start": False,
+    # Workers keep the memory of arrays that are freed: dask gives all but 64 kB back at once, and
+    # to get it again for the next array costs filters half as much time as all else.
+    "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": 134217728,
+    "distributed.nanny.pre-spawn-environ.MALLOC_MMAP_THRESHOLD_": 33554432,
 }
 # Ctrl-C reaches every process of a terminal; workers leave it to the one that started them.
 DEAF = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)"
 REFRESH = 2.0  # seconds after which workers are counted again
 
 
-class WrongVersionError(RuntimeError):
-    """A worker with another version of the package."""
-
-
 @contextmanager
 def connect(
-    scheduler: str | None = None, *, workers: int | None = None, wait: float = WAIT
+    scheduler: str | None = None,
+    *,
+    workers: int | None = None,
+    wait: float = WAIT,
+    packages: Sequence[str] = ("meshfair",),
 ) -> Iterator[Cluster]:
     """A dask cluster to run sweeps on, for the time of this block.
 
@@ -55,6 +59,8 @@ def connect(
         Without a scheduler: how many processes to start here.
     wait : float
         Seconds to wait for a worker where there is none.
+    packages : sequence of str
+        What must be the same on each worker.
 
     Yields
     ------
@@ -75,7 +81,7 @@ def connect(
         stack.enter_context(_quiet())
         if scheduler is None:
             workers = check_count(workers, "workers", 1)
-            stack.enter_context(dask.config.set(SCHEDULER))
+            stack.enter_context(dask.config.set(CONFIGURATION))
             local = stack.enter_context(
                 distributed.LocalCluster(
                     n_workers=workers,
@@ -88,7 +94,7 @@ def connect(
             client = stack.enter_context(distributed.Client(local))
         else:
             client = stack.enter_context(_client(scheduler))
-        cluster = Cluster(client, wait)
+        cluster = Cluster(client, wait, packages)
         cluster.check_versions()
         yield cluster
 
@@ -136,14 +142,17 @@ class Cluster:
     Parameters
     ----------
     client : distributed.Client
-    wait : float
+    wait, packages
         As in `connect`.
     """
 
-    def __init__(self, client: Client, wait: float = WAIT) -> None:
+    def __init__(
+        self, client: Client, wait: float = WAIT, packages: Sequence[str] = ("meshfair",)
+    ) -> None:
         self.client = client
         self.address = client.scheduler.address
         self._wait = wait
+        self._packages = tuple(packages)
         self._meshes: OrderedDict[str, Future] = OrderedDict()
         self._slots, self._counted = 1, 0.0
         self._seen = time.monotonic()
@@ -159,10 +168,30 @@ class Cluster:
             self.client.wait_for_workers(1, timeout=self._wait)
         except TimeoutError:
             raise SweepStoppedError(self._no_worker()) from None
-        found = self.client.run(_asked_version())
-        for worker, theirs in found.items():
-            if theirs != version():
-                raise SweepStoppedError(_refused(worker, theirs, version()))
+        wanted = version(*self._packages)
+        for worker, theirs in self.client.run(asked(), self._packages).items():
+            if theirs != wanted:
+                raise SweepStoppedError(refused(worker, theirs, wanted))
+
+    def on_each_worker(self, function: Callable[..., Any], *arguments: Any) -> dict[str, Any]:
+        """Call a function once on each worker that there is now.
+
+        Parameters
+        ----------
+        function : callable
+            Of an importable module.
+        *arguments
+
+        Returns
+        -------
+        dict of str to object
+            What it returned, by the workers' addresses; what it raised is raised.
+        """
+        futures = {
+            worker: self.client.submit(function, *arguments, workers=[worker], pure=False)
+            for worker in self.client.nthreads()
+        }
+        return {worker: future.result() for worker, future in futures.items()}
 
     def slots(self) -> int:
         """How many threads the workers have together."""
@@ -177,7 +206,13 @@ class Cluster:
             raise SweepStoppedError(self._no_scheduler())
         meshes = self._scattered(batch)
         return self.client.submit(
-            _run, version(), list(batch), limit, list(meshes), *meshes.values(), pure=False
+            _run,
+            (self._packages, version(*self._packages)),
+            list(batch),
+            limit,
+            list(meshes),
+            *meshes.values(),
+            pure=False,
         )
 
     def _scattered(self, batch: Sequence[Cell]) -> dict[str, Future]:
@@ -240,45 +275,16 @@ class Cluster:
         )
 
 
-@cache
-def version() -> str:
-    """Which meshfair this is: its version, and what tells its files from any others.
-
-    Returns
-    -------
-    str
-    """
-    folder = Path(meshfair.__file__).parent
-    files = sorted(folder.rglob("*.py"), key=lambda path: path.relative_to(folder).as_posix())
-    content = hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()
-    return f"{meshfair.__version__} ({content[:8]})"
-
-
-def _asked_version() -> Any:
-    """A function that tells the version; one that a worker without the package can run, too."""
-
-    def ask() -> str:
-        try:
-            from meshfair.experiments.cluster import version
-        except ImportError as error:
-            return f"none that is of use ({error})"
-        return version()
-
-    return ask
-
-
-def _refused(worker: str, theirs: str, wanted: str) -> str:
-    return (
-        f"the worker {worker} has meshfair {theirs}, but this is {wanted}; "
-        "install the same there, and start the worker again"
-    )
-
-
 def _run(
-    wanted: str, batch: Sequence[Cell], limit: float, names: Sequence[str], *meshes: Mesh
+    needed: tuple[Sequence[str], str],
+    batch: Sequence[Cell],
+    limit: float,
+    names: Sequence[str],
+    *meshes: Mesh,
 ) -> tuple[list[Row], float]:
     """On a worker: `run_batch` of the same version, on one core."""
-    if wanted != version():  # a worker that came later
-        raise WrongVersionError(_refused(f"on {platform.node()}", version(), wanted))
+    packages, wanted = needed
+    if wanted != version(*packages):  # a worker that came later
+        raise WrongVersionError(refused(f"on {platform.node()}", version(*packages), wanted))
     _fast.use_one_core()
     return run_batch(batch, limit, dict(zip(names, meshes, strict=True)))

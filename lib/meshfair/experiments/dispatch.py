@@ -27,7 +27,7 @@ PATIENCE = 1.0  # seconds without an answer, after which the workers are looked 
 Rows = list[tuple[Cell, Row]]
 
 
-class SweepStoppedError(RuntimeError):
+class SweepStoppedError(OSError):
     """The sweep cannot go on; the message says why. Finished rows are in the journal."""
 
 

@@ -10,6 +10,7 @@ say, and shows the result. Its ``controls`` can be set by code, too:
 from meshfair.checks import needed_for
 
 with needed_for("an explorer"):
+    from meshfair.explorers.cotangents import CotangentExplorer
     from meshfair.explorers.curves import CurvePlot
     from meshfair.explorers.eigenmodes import EigenmodeExplorer
     from meshfair.explorers.explorer import Explorer
@@ -26,6 +27,7 @@ with needed_for("an explorer"):
 __all__ = [
     "AveragingExplorer",
     "ComparisonExplorer",
+    "CotangentExplorer",
     "CurvePlot",
     "DenoisingExplorer",
     "EigenmodeExplorer",

@@ -11,7 +11,7 @@ from meshfair.viewer import coloring
 from meshfair.weights import BY_NAME
 
 PLAIN = "none"  # the colouring without values
-NAMED = {"description_width": "8.5em"}
+NAMED = {"description_width": "7.6em"}
 WIDE = {"width": "calc(100% - 8px)", "max_width": "34em"}
 
 # How menus write the noise models' names.
@@ -142,3 +142,8 @@ def tau_slider(tau: float, ends: tuple[float, float]) -> Any:
 def weights_choice(value: str = "combinatorial") -> Any:
     """The menu of weights."""
     return choice("weights", BY_NAME, value, "How much each neighbour counts")
+
+
+def two_digits(number: float) -> str:
+    """A number with two digits behind the point, or the sign for infinity: 27.31."""
+    return f"{number:.2f}".replace("inf", "∞")

@@ -134,10 +134,11 @@ function render({ model, el }) {
     }
     series.forEach((curve, i) => {
       if (curve.points) {
+        const radius = curve.x.length > 60 ? 2 : 4;
         curve.x.forEach((x, k) => {
           const over = threshold !== null && curve.y[k] > threshold + 1e-9;
           const fill = over ? "var(--alarm)" : color(curve, i);
-          draw("circle", { cx: X(x), cy: Y(curve.y[k]), r: over ? 3 : 2, fill }, svg);
+          draw("circle", { cx: X(x), cy: Y(curve.y[k]), r: over ? radius + 1 : radius, fill }, svg);
         });
       } else if (curve.x.length) {
         const path = curve.x.map((x, k) => `${X(x).toFixed(1)},${Y(curve.y[k]).toFixed(1)}`);

@@ -72,10 +72,9 @@ class EigenmodeExplorer(Explorer):
                 widgets.FloatSlider,
                 "height (edges)",
                 "How high the relief of the eigenmode is, in mean edge lengths",
-                value=1.5,
-                ends=(0.0, 4.0),
-                step=0.1,
-                readout_format=".1f",
+                value=0.5,
+                ends=(0.0, 2.0),
+                step=0.05,
             ),
             "iteration": iteration,
         }
@@ -92,7 +91,7 @@ class EigenmodeExplorer(Explorer):
         self.plots = [
             CurvePlot(
                 title="What the flow leaves of each eigenmode",
-                x_label="eigenvalue λ of W̃ (fast left, slow right)",
+                x_label="eigenvalue λ (fast left, slow right)",
                 y_label="factor (1 - τ + τλ)^s",
             ),
             CurvePlot(
@@ -102,7 +101,8 @@ class EigenmodeExplorer(Explorer):
         self.plots[0].observe(self._picked_eigenvalue, names="picked")
         self.plots[1].observe(self._picked_iteration, names="picked")
         play = widgets.Play(min=0, max=self._iterations, interval=200, show_repeat=True)
-        widgets.jslink((play, "value"), (iteration, "value"))
+        # The slider first: what it shows is what the play button goes on from.
+        widgets.jslink((iteration, "value"), (play, "value"))
         self._begin(along=[play, iteration])
 
     def _work(self, job: Job, settings: Settings) -> None:
@@ -119,7 +119,7 @@ class EigenmodeExplorer(Explorer):
         wave = Phi[:, k] / np.abs(Phi[:, k]).max()
         height = settings["height"] * self._edge
         frame = Frame(self.view, [V + s * height * self._normals for s in (-1, 1)], F)
-        V_drawn, remark = frame.reduced(V + (left[steps] * height * wave)[:, None] * self._normals)
+        V_drawn, remark = frame.drawn(V + (left[steps] * height * wave)[:, None] * self._normals)
         with self.view.together():
             self.view.refit(frame.V)
             self.view.update(
@@ -153,6 +153,6 @@ class EigenmodeExplorer(Explorer):
         self.controls["iteration"].value = min(max(round(change["new"]), 0), self._iterations)
 
 
-def _percent(part: float) -> str:
-    """A part of a whole, with two digits that count."""
-    return f"{100 * part:.2g} %" if abs(part) < 10 else f"{part:.1e} times"
+def _percent(part: Any) -> str:
+    """A part of a whole, with three digits that count."""
+    return f"{100 * part:.3g} %" if abs(part) < 10 else f"{part:.1e} times"

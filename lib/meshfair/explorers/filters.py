@@ -161,7 +161,7 @@ class FilterExplorer(Explorer):
             else:
                 self.view.refit(frame.V)
             self._shown = settings["mesh"], settings["size"]
-            V_drawn, remark = frame.reduced(V_new)
+            V_drawn, remark = frame.drawn(V_new)
             angles = coloring.normal_angle(V, F)(V_new)
             self.view.update(V_noisy, panel=0, F=F, title=f"noisy: {_summary(before)}")
             self.view.update(V_drawn, panel=1, F=F, title=title + remark)
@@ -189,7 +189,7 @@ class FilterExplorer(Explorer):
 def _written(column: str, numbers: Metrics) -> str:
     """One of the metrics in words."""
     value = numbers[column].value
-    return "none" if value is None else COLUMNS[column][1].format(value)
+    return "none" if value is None else COLUMNS[column][1].format(value).replace("inf", "∞")
 
 
 def _summary(numbers: Metrics) -> str:

@@ -20,7 +20,7 @@ from meshfair.checks import (
     check_count,
     check_mesh,
 )
-from meshfair.explorers.controls import PLAIN, color_choice, slider
+from meshfair.explorers.controls import PLAIN, color_choice, slider, two_digits
 from meshfair.explorers.curves import CurvePlot
 from meshfair.explorers.explorer import Explorer, Settings
 from meshfair.explorers.framing import Frame
@@ -100,7 +100,8 @@ class FlowExplorer(Explorer):
         }
         self.view = self._make_view()
         play = widgets.Play(min=0, max=self._iterations, interval=150, show_repeat=True)
-        widgets.jslink((play, "value"), (iteration, "value"))
+        # The slider first: what it shows is what the play button goes on from.
+        widgets.jslink((iteration, "value"), (play, "value"))
         self.best_button = widgets.Button(
             description=f"go to {self.best_word}", icon="bullseye", tooltip=self.best_tooltip
         )
@@ -240,7 +241,7 @@ class FlowExplorer(Explorer):
     def _best_text(self, run: Run, name: str, iteration: int) -> str:
         """What the legend says of the best iteration of a flow."""
         at = self._time(iteration, run)
-        return f"{self.best_word} {run.curves[name][iteration]:.2f} {self.unit} at {at}"
+        return f"{self.best_word} {two_digits(run.curves[name][iteration])} {self.unit} at {at}"
 
     # What is shown of it, at once.
 
@@ -292,7 +293,7 @@ class FlowExplorer(Explorer):
                 self._show_start(run, first)
                 run.shown = True
             for name, V in shown.items():
-                V_drawn, remark = self._frame.reduced(V)
+                V_drawn, remark = self._frame.drawn(V)
                 title = self._title(name, iteration, run) + remark
                 self.view.update(
                     V_drawn,
@@ -306,7 +307,7 @@ class FlowExplorer(Explorer):
     def _title(self, name: str, iteration: int, run: Run) -> str:
         return (
             f"{name}, {self._time(iteration, run)}, "
-            f"{self.measure} {run.curves[name][iteration]:.2f} {self.unit}"
+            f"{self.measure} {two_digits(run.curves[name][iteration])} {self.unit}"
         )
 
     def _time(self, iteration: int, run: Run) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from meshfair.checks import Floats
-from meshfair.explorers.controls import size_slider, tau_slider, weights_choice
+from meshfair.explorers.controls import size_slider, tau_slider, two_digits, weights_choice
 from meshfair.explorers.explorer import Settings
 from meshfair.explorers.flows import FlowExplorer
 from meshfair.explorers.runs import Run
@@ -29,7 +29,7 @@ class HeatExplorer(FlowExplorer):
 
     def _show_start(self, run: Run, values: Floats | None) -> None:
         decibels = next(iter(run.curves.values()))[0]
-        title = f"noisy: {decibels:.2f} {self.unit}"
+        title = f"noisy: {two_digits(decibels)} {self.unit}"
         self.view.update(run.start.V_noisy, panel=1, values=values, title=title)
 
 

@@ -58,7 +58,7 @@ class JetExplorer(ComparisonExplorer):
             ),
             "decibels": slider(
                 widgets.FloatSlider,
-                "noise: SNR (dB)",
+                "noise SNR (dB)",
                 "SNR of the noisy jet: the noise is scaled to it",
                 value=self._decibels,
                 ends=(15.0, 40.0),
@@ -85,9 +85,8 @@ class JetExplorer(ComparisonExplorer):
             V, _ = jet(True, self._detail)
             labels, names = jet_labels(True, self._detail)
             self.view.look_at(V[labels == names.index("tip missile left")], (0.5, 0.9, 0.5))
-        else:
-            V, F = jet(self.controls["missiles"].value, self._detail)
-            self.view.look_at(V[np.unique(F)])
+        elif self._run is not None:
+            self.view.look_at(self._frame.V)  # a new flow, without missiles, adapts it
 
     def _aim(self) -> None:
         if not self._closer():

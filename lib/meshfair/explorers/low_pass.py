@@ -19,6 +19,7 @@ from meshfair.explorers.controls import (
     color_choice,
     size_slider,
     slider,
+    two_digits,
     weights_choice,
 )
 from meshfair.explorers.curves import CurvePlot
@@ -118,7 +119,7 @@ class LowPassExplorer(Explorer):
             "modes kept",
             "How many eigenmodes the filter by hand keeps, the slowest first",
             value=min(40, len(V)),
-            ends=(1, len(V)),
+            ends=(4, len(V)),  # fewer make a line
             step=1,
         )
         self.controls = {
@@ -126,7 +127,7 @@ class LowPassExplorer(Explorer):
             "size": size_slider(size),
             "width": slider(
                 widgets.FloatSlider,
-                "width of the edge",
+                "edge width",
                 "On how much of the axis of eigenvalues the filter by hand falls from 1 to 0",
                 value=0.0,
                 ends=(0.0, 0.5),
@@ -150,7 +151,7 @@ class LowPassExplorer(Explorer):
         self.plots = [
             CurvePlot(
                 title="Transfer functions",
-                x_label="eigenvalue λ of W̃ (fast left, slow right)",
+                x_label="eigenvalue λ (fast left, slow right)",
                 y_label="factor",
             ),
             CurvePlot(
@@ -181,7 +182,7 @@ class LowPassExplorer(Explorer):
         found = self._found[1]
         V, n = self._mesh[0], len(found.eigenvalues)
         # Few modes make the difference: their numbers lie close where they are small.
-        counts = np.unique(np.geomspace(1, n, COUNTS).round().astype(int))
+        counts = np.unique(np.geomspace(4, n, COUNTS).round().astype(int))
         counts = np.union1d(counts, settings["modes"])
         decibels = []
         for k, count in enumerate(counts):
@@ -244,7 +245,7 @@ class LowPassExplorer(Explorer):
             self._request()
 
     def _picked(self, change: dict[str, Any]) -> None:
-        self.controls["modes"].value = min(max(round(change["new"]), 1), len(self._mesh[0]))
+        self.controls["modes"].value = min(max(round(change["new"]), 4), len(self._mesh[0]))
 
     def _set(self, values: dict[str, Any]) -> None:
         """Move controls without being told of it."""
@@ -282,9 +283,9 @@ class LowPassExplorer(Explorer):
             shown = [found.V_noisy, denoised, other]
             decibels = [snr(V, X) for X in shown]
             titles = [
-                f"noisy: {decibels[0]:.2f} dB",
-                f"{HAND}, {count} modes: {decibels[1]:.2f} dB",
-                f"{steps} {RIVALS[rival]}: {decibels[2]:.2f} dB",
+                f"noisy: {two_digits(decibels[0])} dB",
+                f"{HAND}, {count} modes: {two_digits(decibels[1])} dB",
+                f"{steps} {RIVALS[rival]}: {two_digits(decibels[2])} dB",
             ]
             values: list[Floats | None] = [None] * 3
             if settings["color"] != PLAIN:
@@ -294,7 +295,7 @@ class LowPassExplorer(Explorer):
                 self.view.color_by(look.label, look.limits(*given), look.cmap)
                 values = list(given)
             for panel, (X, title) in enumerate(zip(shown, titles, strict=True)):
-                X_drawn, remark = frame.reduced(X)
+                X_drawn, remark = frame.drawn(X)
                 self.view.update(X_drawn, panel=panel, values=values[panel], title=title + remark)
             self._draw(found, settings, decibels[1])
 
@@ -310,12 +311,13 @@ class LowPassExplorer(Explorer):
             counts, curve = np.insert(counts, at, count), np.insert(curve, at, decibels)
         lines = {HAND: (counts, curve)}
         best = int(self._curve[1].argmax())
-        legend = {HAND: f"best {self._curve[1][best]:.2f} dB with {self._curve[0][best]} modes"}
+        legend = {
+            HAND: f"best {two_digits(self._curve[1][best])} dB with {self._curve[0][best]} modes"
+        }
         for rival, steps in self._steps.items():
             reached = found.decibels[rival]
-            lines[rival] = (np.array([1, n]), np.full(2, reached[steps]))
-            top = int(np.argmax(reached))
-            legend[rival] = f"{reached[steps]:.2f} dB; best {reached[top]:.2f} dB, {top} steps"
+            lines[rival] = (np.array([4, n]), np.full(2, reached[steps]))
+            legend[rival] = f"{two_digits(reached[steps])} dB"
         self.plots[0].draw(curves, colors=COLORS)
         self.plots[0].marker = None
         self.plots[1].draw(

@@ -22,9 +22,10 @@ from meshfair.plotting import WEIGHT_COLORS
 from meshfair.viewer import View
 from meshfair.weights import BY_NAME
 
-RINGS = 3  # of faces around the vertex that are shown of the neighbourhood
+RINGS = 2  # of faces around the vertex that are shown of the neighbourhood
+ARROW = (0.1, 0.6, 0.25)  # its colour and that of both its ends, which no weight has
 CLOSE, WHOLE = "the neighbourhood", "the whole mesh"
-THINNEST, THICKEST = 0.02, 0.17  # radii of the edges, in mean edge lengths
+THINNEST, THICKEST = 0.02, 0.14  # radii of the edges, in mean edge lengths
 RIM = 0.012  # and of those around
 
 
@@ -98,6 +99,7 @@ class NeighbourhoodExplorer(Explorer):
             "part": part,
         }
         self.view = View([V] * 3, F, titles=list(BY_NAME))
+        self.view.none = ARROW
         self.view.on_pick(self._picked)
         self.plots = [
             CurvePlot(
@@ -115,11 +117,11 @@ class NeighbourhoodExplorer(Explorer):
         self._begin(along=[part, self.move_button])
 
     def _telling(self, size: float) -> int:
-        """A vertex with a negative cotangent weight, of those the middle one by its size."""
+        """A vertex with a negative cotangent weight, neither the most nor the least of them."""
         least = self._operators(size)[1]["cotangent"].min(axis=1).toarray().ravel()
         negative = np.flatnonzero(least < 0)
         return (
-            int(negative[np.argsort(least[negative])[len(negative) // 2]]) if len(negative) else 0
+            int(negative[np.argsort(least[negative])[len(negative) // 4]]) if len(negative) else 0
         )
 
     def _operators(self, size: float) -> tuple[Floats, dict[str, csr_array]]:
@@ -209,9 +211,8 @@ class NeighbourhoodExplorer(Explorer):
         inside = np.zeros(len(self._mesh[0]), dtype=bool)
         inside[i] = True
         for _ in range(RINGS):
-            faces = inside[F].any(axis=1)
-            inside[F[faces]] = True
-        return faces
+            inside[F[inside[F].any(axis=1)]] = True
+        return np.asarray(inside[F].all(axis=1))
 
     def _aim(self, shown: Floats, V: Floats, i: int, settings: Settings) -> None:
         """Look at the vertex from its side, where it is another one than before."""

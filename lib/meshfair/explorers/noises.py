@@ -8,7 +8,14 @@ from numpy.typing import ArrayLike
 
 from meshfair import metrics, noise
 from meshfair.checks import Floats, check_mesh
-from meshfair.explorers.controls import NOISES, PLAIN, color_choice, noise_choice, slider
+from meshfair.explorers.controls import (
+    NOISES,
+    PLAIN,
+    color_choice,
+    noise_choice,
+    slider,
+    two_digits,
+)
 from meshfair.explorers.curves import CurvePlot
 from meshfair.explorers.explorer import Explorer, Settings
 from meshfair.explorers.worker import Job
@@ -97,7 +104,9 @@ class NoiseExplorer(Explorer):
                 values = look.of(V, F)(V_noisy)
                 self.view.color_by(look.label, look.limits(values), look.cmap)
             # The picture stays as it is: moving both meshes changes nothing but the SNR.
-            self.view.update(V_noisy, panel=1, values=values, title=f"noisy: {self.snr:.2f} dB")
+            self.view.update(
+                V_noisy, panel=1, values=values, title=f"noisy: {two_digits(self.snr)} dB"
+            )
         self.plots[0].marker = settings["size"]
 
         # With the size that is shown among those of the curve, its label is the title's number.

@@ -71,7 +71,7 @@ class Solids:
 
     def arrow(self, a: Floats, b: Floats, radius: float, value: float, owner: int) -> None:
         """Add an arrow from a to b; short ones are all head."""
-        length = np.linalg.norm(b - a)
+        length = float(np.linalg.norm(b - a))
         if length == 0:
             return
         neck = b - (b - a) * min(1.0, 5 * radius / length)

@@ -55,7 +55,7 @@ class StabilityExplorer(FlowExplorer):
     def _make_plots(self) -> list[CurvePlot]:
         transfer = CurvePlot(
             title="What one iteration does to each eigenmode",
-            x_label="eigenvalue λ of W̃ (high frequencies left)",
+            x_label="eigenvalue λ (fast left, slow right)",
             y_label="factor |1 - τ + τλ|",
         )
         return [*super()._make_plots(), transfer]

@@ -54,6 +54,10 @@ EFFORTS = (
 )
 
 
+# How often Sun's filter moves the vertices of the copy in which creases are found [LLL19].
+PREFILTER_MOVES = 4
+
+
 def effort_for(noise: float) -> Effort:
     """The effort for a level of noise [LLL19]_.
 
@@ -99,6 +103,8 @@ def noise_by_lengths(V: ArrayLike, F: ArrayLike) -> float:
         sun(V, F, threshold=0.4, normal_iterations=4, vertex_iterations=4, fix_boundary=False), V
     )
     edges = Edges(F, len(V))
+    if not len(edges):  # every face names one vertex three times
+        return 0.0
     before, after = (float(np.mean(edges.lengths(X) ** 2)) for X in (V, smoothed))
     return float(np.sqrt(max(0.0, before / after - 1) / 2)) if after > 0 else 0.0
 
@@ -183,17 +189,23 @@ def feature_convinced(
     effort, iterations = effort_for(filled["noise"]), filled["iterations"]
     H = interior_edges(F)
     edges = Edges(F, len(V))
+    if not len(edges):
+        return
     B = incidence(F, len(V))
     R = face_rings(B)
-    parts = effort.normal_iterations + 1
+    parts = effort.sun_iterations + PREFILTER_MOVES + effort.normal_iterations + 1
     for k in range(iterations):
-        copy = prefiltered(V, F, effort)
+        step, copy = 0, V
+        for copy in prefiltered(V, F, effort):  # noqa: B007
+            step += 1
+            yield (k + step / parts) / iterations, V
         crease = crease_edges(copy, H, effort.crease_cosine, gap=gap, shortest=shortest)
         N, area, C = face_shapes(V, F)
         G = crease_guidance(H.faces[~crease], N, area, C)
         longest = float(np.sqrt(np.mean(edges.lengths(V) ** 2)))
         S = spatial_weights(R, C, area, longest)
-        for step in range(1, effort.normal_iterations + 1):
+        for _ in range(effort.normal_iterations):
+            step += 1
             yield (k + step / parts) / iterations, V
             N = joint_bilateral(S, N, G, sigma_normal)
         for _ in range(vertex_iterations):
@@ -203,8 +215,8 @@ def feature_convinced(
         yield (k + 1) / iterations, V
 
 
-def prefiltered(V: Floats, F: Integers, effort: Effort) -> Floats:
-    """A copy smooth enough to find creases in [LLL19]_.
+def prefiltered(V: Floats, F: Integers, effort: Effort) -> Iterator[Floats]:
+    """A copy on its way to be smooth enough to find creases in [LLL19]_.
 
     Parameters
     ----------
@@ -212,9 +224,10 @@ def prefiltered(V: Floats, F: Integers, effort: Effort) -> Floats:
     F : ndarray of int64, shape (m, 3)
     effort : Effort
 
-    Returns
-    -------
+    Yields
+    ------
     ndarray of float64, shape (n, 3)
+        After each iteration of Sun's filter; the last one is the copy.
     """
     V = _last(taubin(V, F, lam=0.6, mu=-0.636, iterations=effort.taubin_iterations), V)
     smooth = sun(
@@ -222,10 +235,10 @@ def prefiltered(V: Floats, F: Integers, effort: Effort) -> Floats:
         F,
         threshold=0.4,
         normal_iterations=effort.sun_iterations,
-        vertex_iterations=4,
+        vertex_iterations=PREFILTER_MOVES,
         fix_boundary=False,
     )
-    return _last(smooth, V)
+    yield from (X for _, X in smooth)
 
 
 def _last(states: Iterator[tuple[float, Floats]], V: Floats) -> Floats:

@@ -83,7 +83,7 @@ def l0(
     lam *= mean_edge_length(V, F) ** 2 * bend
     alpha *= bend
     R = edge_matrix(np.tile([1.0, -1.0, 1.0, -1.0], (len(H.corners), 1)), H, n)
-    steps = max(0, int(np.ceil(np.log(beta_max / beta) / np.log(beta_factor))))
+    steps = max(0, int(np.ceil((np.log(beta_max) - np.log(beta)) / np.log(beta_factor))))
     for step in range(1, steps + 1):
         D = edge_matrix(edge_operator(P, H), H, n)
         d = D @ P

@@ -84,20 +84,20 @@ def encode_file(
 
 
 def _binary(vertices: Sequence[Columns], faces: Sequence[Columns | Lists]) -> list[NDArray[Any]]:
-    parts: list[tuple[NDArray[Any], Integers]] = []  # numbers, and how many bytes each row has
+    parts: list[tuple[NDArray[Any], Integers | int]] = []  # numbers, and how many each row has
     for part in faces:
         if isinstance(part, Columns):
-            size = part.packed.itemsize * len(part.names)
-            parts.append((part.packed, np.full(len(part.values), size)))
+            parts.append((part.packed, len(part.names)))
         else:
             lengths, values = part.packed
-            parts.append((lengths, np.full(len(lengths), lengths.itemsize)))
-            parts.append((values, values.itemsize * part.lengths))
-    sizes = np.column_stack([size for _, size in parts])
-    if np.all(sizes == sizes[0]):
-        rows = _side_by_side([values.reshape(len(sizes), -1) for values, _ in parts])
+            alike = part.lengths.min() == part.lengths.max()
+            parts += [(lengths, 1), (values, int(part.lengths[0]) if alike else part.lengths)]
+    if all(isinstance(width, int) for _, width in parts):
+        rows = _side_by_side([values.reshape(-1, width) for values, width in parts])
     else:
-        rows = _interleaved([values for values, _ in parts], sizes)
+        m = len(faces[0].lengths) if isinstance(faces[0], Lists) else len(faces[0].values)
+        sizes = [np.broadcast_to(values.itemsize * np.asarray(w), m) for values, w in parts]
+        rows = _interleaved([values for values, _ in parts], np.column_stack(sizes))
     return [_side_by_side([part.packed for part in vertices]), rows]
 
 

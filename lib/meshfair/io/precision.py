@@ -30,7 +30,7 @@ def loss(V: Floats, F: Integers, stored: Floats) -> str:
     stored : ndarray of float64, shape (n, 3)
         The positions as they will be read again.
     """
-    moved = float(np.abs(stored - V).max())
+    moved = 0.0 if stored is V else float(np.abs(stored - V).max())
     if moved == 0:
         return ""
     some = F[:: len(F) // 1000 + 1]
@@ -44,5 +44,5 @@ def loss(V: Floats, F: Integers, stored: Floats) -> str:
     return (
         f"rounded to the file's precision, vertices move by up to {moved:.2g} (edges are about "
         f"{edge:.2g} long), {joined} fall together and {len(flat)} faces lose their area; move "
-        f"the mesh to the origin before it is written, or write OBJ, OFF or PLY of its own"
+        f"the mesh to the origin first, or write it as OBJ or OFF, which keep all digits"
     )

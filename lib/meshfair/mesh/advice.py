@@ -23,7 +23,8 @@ ADVICE = {
         "mesh.repair(V, F, unreferenced=True)",
     ),
     "duplicate_vertices": Advice(
-        "they are no neighbours, so the surface is cut there: noise and every flow tear it open",
+        "they are no neighbours, so that weights and the flows made of them tear the surface open "
+        "there; denoise, filters and noise move copies along a seam as one",
         "mesh.repair(V, F, weld=0), unless the cut is meant",
     ),
     "duplicate_faces": Advice(

@@ -199,7 +199,7 @@ def _drop_faces(F: Integers, drop: Booleans, name: str, which: str) -> tuple[Int
     """The faces that stay, and the step."""
     count = int(drop.sum())
     if count == len(F):
-        raise MeshError(f"all {count:,} faces are {which}, so {name} would leave no mesh")
+        raise MeshError(f"every face is {which}, so {name} would leave no mesh")
     return F[~drop], Step(name, count, f"dropped {count:,} faces {which}")
 
 

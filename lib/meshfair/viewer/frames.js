@@ -10,7 +10,12 @@
 
 const RETRY = 3000; // ms until a first frame that did not come is asked for again
 const REST = 250; // ms without a new frame until good frames are asked for
+const STILL = 3; // pixels up to which a press that moves is a click
 const SCROLL = 400; // ms within which a wheel goes on scrolling the page
+const PATIENCE = 4000; // ms until an answer is missed
+const TOUCHES = ["pointerdown", "keydown", "change"];
+const GONE =
+  "Python does not answer. If the kernel was restarted, run this cell again; if it is busy, wait.";
 const HINT = "drag or arrow keys: turn · shift-drag: move · wheel or + -: zoom · R: reset";
 
 function element(name, className, parent) {
@@ -24,6 +29,10 @@ function element(name, className, parent) {
 function background(node) {
   const channels = getComputedStyle(node).backgroundColor.match(/[\d.]+/g) ?? [255, 255, 255];
   return channels.slice(0, 3).map((channel) => channel / 255);
+}
+
+function distance(one, other) {
+  return Math.hypot(one.clientX - other.clientX, one.clientY - other.clientY);
 }
 
 function pause(milliseconds) {
@@ -87,25 +96,78 @@ class Moves {
   }
 }
 
+/** Notices that Python answers nothing any more: its kernel was restarted, has gone, or is busy. */
+class Pulse {
+  constructor(model, el, tell) {
+    this.model = model;
+    this.tell = tell;
+    this.timer = 0;
+    this.silent = false;
+    // Whatever is done to the view, or to the sliders of the explorer that it is part of.
+    this.touched = (event) => {
+      const whole = el.closest(".meshfair-explorer") ?? el;
+      if (whole.contains(event.target)) this.ask();
+    };
+    for (const kind of TOUCHES) document.addEventListener(kind, this.touched, true);
+  }
+
+  ask() {
+    if (this.timer) return;
+    this.timer = setTimeout(() => {
+      this.timer = 0;
+      this.silent = true;
+      this.tell(GONE);
+    }, PATIENCE);
+    try {
+      this.model.send({ kind: "ping" });
+    } catch {
+      // Without a kernel nothing can be sent; the timer tells.
+    }
+  }
+
+  answered() {
+    clearTimeout(this.timer);
+    this.timer = 0;
+    if (this.silent) this.tell("");
+    this.silent = false;
+  }
+
+  stop() {
+    clearTimeout(this.timer);
+    for (const kind of TOUCHES) document.removeEventListener(kind, this.touched, true);
+  }
+}
+
 /** Turns pointer, wheel and keys on one panel into moves. */
-function control(stage, moves, reset) {
+function control(stage, moves, reset, click) {
   let last = null;
+  let pressed = null; // where, until the pointer has been dragged away from there
   let scrolled = -Infinity; // when the wheel last moved the page
 
   stage.addEventListener("pointerdown", (event) => {
     stage.setPointerCapture(event.pointerId);
     stage.focus({ preventScroll: true });
     last = event;
+    pressed = event.button === 0 && !event.shiftKey ? event : null;
     event.preventDefault();
   });
   stage.addEventListener("pointermove", (event) => {
     if (!last || event.pointerId !== last.pointerId) return;
+    if (pressed && distance(event, pressed) <= STILL) return; // still a click
+    pressed = null;
     const x = (event.clientX - last.clientX) / stage.clientHeight;
     const y = (event.clientY - last.clientY) / stage.clientHeight;
     last = event;
     const sliding = event.shiftKey || event.buttons & 6;
     // One height of the panel is half a turn.
     moves.add(sliding ? { pan: [-x, y] } : { yaw: -x * Math.PI, pitch: y * Math.PI });
+  });
+  stage.addEventListener("pointerup", (event) => {
+    if (!pressed) return;
+    pressed = null;
+    const box = stage.getBoundingClientRect();
+    const x = (2 * (event.clientX - box.left)) / box.width - 1;
+    click(x, 1 - (2 * (event.clientY - box.top)) / box.height);
   });
   for (const end of ["pointerup", "pointercancel"]) {
     stage.addEventListener(end, () => (last = null));
@@ -156,7 +218,7 @@ function render({ model, el }) {
   const reset = () => model.send({ kind: "reset" });
 
   const row = element("div", "panels", el);
-  const panels = Array.from({ length: model.get("count") }, () => {
+  const panels = Array.from({ length: model.get("count") }, (_, panel) => {
     const figure = element("figure", "", row);
     const caption = element("figcaption", "", figure);
     const stage = element("div", "stage", figure);
@@ -166,7 +228,8 @@ function render({ model, el }) {
     const picture = element("img", "", stage);
     picture.draggable = false;
     picture.alt = "";
-    return { caption, stage, picture, release: control(stage, moves, reset) };
+    const click = (x, y) => model.send({ kind: "click", panel, x, y });
+    return { caption, stage, picture, release: control(stage, moves, reset, click) };
   });
 
   const foot = element("div", "foot", el);
@@ -176,6 +239,11 @@ function render({ model, el }) {
   element("span", "hint", foot).textContent = HINT;
   const bar = new Bar(foot);
   const error = element("span", "error", foot);
+
+  const pulse = new Pulse(model, el, (text) => {
+    error.textContent = text;
+    el.classList.toggle("silent", text !== "");
+  });
 
   let resting = 0;
   const show = async (message, buffers) => {
@@ -202,6 +270,7 @@ function render({ model, el }) {
       moves.answered();
       return;
     }
+    pulse.answered();
     if (message.kind !== "frame") return;
     clearInterval(asking);
     try {
@@ -246,6 +315,7 @@ function render({ model, el }) {
   return () => {
     clearInterval(asking);
     clearTimeout(resting);
+    pulse.stop();
     size.disconnect();
     theme.disconnect();
     model.off("msg:custom", receive);

@@ -13,7 +13,7 @@ from matplotlib.colors import to_hex
 
 from meshfair.viewer.backend import Shown
 from meshfair.viewer.camera import FIELD_OF_VIEW, Camera
-from meshfair.viewer.panel import NONE, SURFACE, Panel, Scale
+from meshfair.viewer.panel import SURFACE, Panel, Scale
 
 HEIGHT = 300  # CSS pixels, as in frames.css
 
@@ -107,7 +107,7 @@ def pose(camera: Camera) -> list[float]:
 def _values(panel: Panel, scale: Scale | None) -> dict[str, Any]:
     """The traits of a k3d mesh that hold a panel's values: at vertices, or on triangles."""
     if panel.values is None or scale is None:
-        color = SURFACE if panel.values is None else NONE
+        color = SURFACE if panel.values is None else panel.none
         return {"attribute": [], "triangles_attribute": [], "color": int(to_hex(color)[1:], 16)}
     at = np.linspace(0, 1, 33)
     color_map = np.column_stack([at, scale.colormap(at)[:, :3]])
@@ -116,7 +116,7 @@ def _values(panel: Panel, scale: Scale | None) -> dict[str, Any]:
         # Below its low end the scale gets a piece that is grey, for what has no value.
         low = -0.1
         values = np.where(panel.known, np.clip(values, 0, 1), low)
-        color_map = np.concatenate([[(low, *NONE), (-1e-3, *NONE)], color_map])
+        color_map = np.concatenate([[(low, *panel.none), (-1e-3, *panel.none)], color_map])
         color_map[:, 0] = (color_map[:, 0] - low) / (1 - low)
     values = values.astype(np.float32)
     return {

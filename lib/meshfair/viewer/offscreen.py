@@ -16,7 +16,7 @@ from meshfair.mesh import takes_meshes
 from meshfair.viewer.camera import FIELD_OF_VIEW, Camera
 from meshfair.viewer.egl import MISSING_EGL, MISSING_POLYSCOPE, has_egl, has_polyscope
 from meshfair.viewer.painter import paint
-from meshfair.viewer.panel import LINES, SURFACE, Panel, Scale, colors
+from meshfair.viewer.panel import LINES, NONE, SURFACE, Panel, Scale, colors
 from meshfair.viewer.placement import Placement
 
 LARGEST = 8192  # pixels of a picture's side, as far as OpenGL's buffers go when it is supersampled
@@ -53,6 +53,7 @@ def render(
     smooth: bool = False,
     edges: bool = False,
     quality: int = 2,
+    none: tuple[float, float, float] = NONE,
 ) -> Pixels:
     """Draw a mesh, from a camera, into an array of pixels.
 
@@ -64,8 +65,7 @@ def render(
     size : (int, int)
         Width and height in pixels, up to 8192.
     values : array_like, shape (n,) or (m,), optional
-        A number for each vertex or each face, shown as a colour; grey where it
-        is NaN or infinite.
+        A number for each vertex or each face, shown as a colour.
     limits : (float, float), optional
         The values at both ends of the colour scale; by default the range of
         those that are finite.
@@ -78,6 +78,8 @@ def render(
         Draw the edges as thin lines.
     quality : int
         Supersampling in each direction, 1 (a draft) to 4.
+    none : three floats
+        The colour where a value is NaN or infinite, each from 0 to 1; grey by default.
 
     Returns
     -------
@@ -103,7 +105,8 @@ def render(
         raise ValueError(f"camera is {camera!r}; give a meshfair.viewer.Camera")
     numbers = None if values is None else check_values(values, len(V), len(F), finite=False)
     # A copy: the scene knows its arrays by identity, and the caller may write to its own.
-    panel = Panel(V, F.copy(), numbers, check_flag(smooth, "smooth"), check_flag(edges, "edges"))
+    smooth, edges = check_flag(smooth, "smooth"), check_flag(edges, "edges")
+    panel = Panel(V, F.copy(), numbers, smooth, edges, none)
     scale = Scale.of([panel], limits, cmap)
     placement = Placement.of([panel])
     panel, camera = placement.panel(panel), placement.camera(camera)
@@ -226,9 +229,9 @@ class Scene:
                 smooth_shade=panel.smooth,
                 material="wax" if panel.values is None else "clay",
             )
-            if panel.edges:
-                mesh.set_edge_width(0.6)
-                mesh.set_edge_color(LINES)
+            # Polyscope remembers a name's edges: those of an older mesh would stay.
+            mesh.set_edge_width(0.6 if panel.edges else 0.0)
+            mesh.set_edge_color(LINES)
         self._panels[slot] = panel
         if panel.values is None:
             return

@@ -13,7 +13,7 @@ from meshfair.checks import Booleans, Floats, Integers, check_choice, check_rang
 
 SURFACE = (0.55, 0.68, 0.86)  # the colour of a mesh without values
 LINES = (0.1, 0.15, 0.25)  # the colour of edges
-NONE = (0.6, 0.6, 0.6)  # the colour where a value is NaN or infinite
+NONE = (0.6, 0.6, 0.6)  # the usual colour where a value is NaN or infinite
 
 # The colour maps that polyscope and matplotlib both have, and matplotlib's names for them.
 CMAPS = {
@@ -38,6 +38,8 @@ class Panel:
     values: Floats | None = None
     smooth: bool = False
     edges: bool = False
+    none: tuple[float, float, float] = NONE
+    """The colour where a value is NaN or infinite."""
 
     @property
     def values_on(self) -> str:
@@ -160,9 +162,9 @@ def colors(panel: Panel, scale: Scale | None) -> Floats:
     """A colour for each of a panel's values, grey where it is no number; shape (k, 3)."""
     assert panel.values is not None
     if scale is None:
-        return np.tile(NONE, (len(panel.values), 1))
+        return np.tile(panel.none, (len(panel.values), 1))
     mapped = scale.colormap(scale.parts(panel.values))[:, :3]
-    mapped[~panel.known] = NONE
+    mapped[~panel.known] = panel.none
     return mapped
 
 

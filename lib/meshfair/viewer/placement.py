@@ -45,7 +45,7 @@ class Placement:
         X /= self.size
         if not panel.used.all():
             X[~panel.used] = 0
-        return Panel(X, panel.F, panel.values, panel.smooth, panel.edges)
+        return Panel(X, panel.F, panel.values, panel.smooth, panel.edges, panel.none)
 
     def camera(self, camera: Camera) -> Camera:
         """The camera that sees placed meshes as this one sees them where they are."""

@@ -21,7 +21,7 @@ from meshfair.checks import (
 from meshfair.viewer.arguments import coloring, each, each_mesh, each_title
 from meshfair.viewer.camera import Camera
 from meshfair.viewer.page import write_page
-from meshfair.viewer.panel import Panel, Scale
+from meshfair.viewer.panel import NONE, Panel, Scale
 from meshfair.viewer.placement import Placement
 from meshfair.viewer.stills import STILL, still
 
@@ -49,6 +49,9 @@ class SideBySide:
     >>> both = SideBySide(*shapes.knot(), titles="the knot")
     >>> both.still().save("knot.png")  # doctest: +SKIP
     """
+
+    none: tuple[float, float, float] = NONE
+    """The colour where a value is NaN or infinite, of the meshes that are shown from now on."""
 
     def __init__(
         self,
@@ -87,7 +90,7 @@ class SideBySide:
         V, F = check_mesh(V, F)
         numbers = None if values is None else check_values(values, len(V), len(F), finite=False)
         # A copy, to which nobody else writes.
-        return Panel(V.copy(), F, numbers, self._smooth, self._edges)
+        return Panel(V.copy(), F, numbers, self._smooth, self._edges, self.none)
 
     def _place(self) -> None:
         """Place all panels anew, for what draws them."""

@@ -73,6 +73,7 @@ def still(view: Shown, size: tuple[int, int], background: str | None = None) -> 
             cmap="viridis" if scale is None else scale.cmap,
             smooth=panel.smooth,
             edges=panel.edges,
+            none=panel.none,
         )
         figure.figimage(pixels, k * cell[0], bottom)
         middle = ((k + 0.5) * cell[0] / width, 1 - TITLE / 2 / height)

@@ -10,7 +10,7 @@
 # learn to damage one in a controlled way, and to measure by how much: with the
 # vertices (the signal-to-noise ratio) and with the normals (their mean angle).
 #
-# **20 points.** Write your functions into the file `a1.py` beside this notebook: it
+# **20 points, about 3 hours.** Write your functions into the file `a1.py` beside this notebook: it
 # holds a stub for each task. Run the cells here; after you save `a1.py` the notebook
 # uses the new version at once. `check("...")` shows what is right and explains what
 # is not. You hand in `a1.py` and nothing else; it will also be tried on meshes that
@@ -229,6 +229,13 @@ def added_without_repetition(V, F):
     return unit(N)
 
 
+def last_normals(V, F):
+    """What N[F] = ... gives: the last triangle wins."""
+    N = np.zeros(V.shape)
+    N[F.ravel()] = np.repeat(mesh.face_normals(V, F), 3, axis=0)
+    return N
+
+
 def summed_by_angle(V, F):
     """What weighting by the angles gives: another usual definition."""
     N = np.zeros(V.shape)
@@ -258,6 +265,11 @@ def vertex_normals_are_right(student, V, F):
             "where an index is repeated; use np.add.at.",
             lambda: added_without_repetition(V, F),
         ),
+        ("Each vertex has the normal of its last triangle; add all of them up, weighted.",
+         lambda: last_normals(V, F)),
+        ("You weight by the squares of the areas: the cross products hold the area once already.",
+         lambda: unit(mesh.scatter(
+             mesh.face_areas(V, F)[:, None] ** 2 * mesh.face_normals(V, F), F, len(V)))),
         ("You weight by the angles at the vertex; here the areas count.",
          lambda: summed_by_angle(V, F)),
         ("This is the direction from the middle of the mesh to the vertex, not a mean of normals.",
@@ -451,7 +463,9 @@ def noise_is_along_the_normals(student, V, N, eps, seed):
         off < 1e-6 + rounded,
         hint,
         expected="moves parallel to the normals",
-        got=f"{100 * off:.0f} % of the noise is sideways",
+        got=f"{100 * off:.0f} % of the noise is sideways"
+        if hint != NOISE_ALONE
+        else "all vertices near the origin",
     )
 
 

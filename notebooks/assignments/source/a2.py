@@ -10,8 +10,8 @@
 # them is written in a sparse matrix $W$: one weight $w_{ij}$ for each edge. You will build
 # three such matrices, derive the famous one with the cotangents, and turn weights into means.
 #
-# **20 points.** Write your functions into the file `a2.py` beside this notebook. Run the
-# cells here; after you save `a2.py` the notebook uses the new version at once.
+# **20 points, about 4 hours.** Write your functions into the file `a2.py` beside this
+# notebook. Run the cells here; after you save `a2.py` the notebook uses the new version at once.
 # `check("...")` shows what is right and explains what is not. You hand in `a2.py` and
 # nothing else; it will also be tried on meshes that you have not seen.
 #
@@ -543,6 +543,12 @@ def corner_sums(V, F, function, shift=0, corners=(0, 1, 2)):
     return W
 
 
+def one_direction(V, F):
+    """The cotangents at (i, j) alone, without (j, i)."""
+    k, i, j = np.concatenate([np.roll(F, -corner, axis=1) for corner in range(3)]).T
+    return coo_array((of_angle(cot)(V[i] - V[k], V[j] - V[k]), (i, j)), shape=(len(V), len(V)))
+
+
 def of_angle(function):
     """A function of an angle as one of the two sides that form it."""
     return lambda u, v: function(np.arctan2(length(np.cross(u, v)), dot(u, v)))
@@ -624,6 +630,10 @@ def cotangent_mistakes(V, F):
         ("You take the cotangent of the mean angle; take the mean of the cotangents.",
          lambda: on_entries(lambda angle: cot(angle / 2),
                             corner_sums(V, F, of_angle(np.asarray)))),
+        ("Each direction has the cotangent of one triangle only: add the transpose, W + W.T.",
+         lambda: one_direction(V, F)),
+        ("Each direction has the cotangent of one triangle only: add the transpose, W + W.T.",
+         lambda: one_direction(V, F).T),
         ("Each edge has one of its two cotangents, the last: W[i, j] = ... forgets the first. Add "
          "them up, with += or coo_array.", assigned(V, F)),
         *((f"Only {3 - len(left_out)} of the three corners of each triangle {verb} counted.",
@@ -643,6 +653,8 @@ def cotangent_mistakes(V, F):
          on_entries(np.abs, W)),
         ("You took absolute values: cotangents of obtuse angles are negative.",
          lambda: corner_sums(V, F, of_angle(lambda angle: np.abs(cot(angle))))),
+        ("You cut negative cotangents off: those of obtuse angles are negative.",
+         lambda: corner_sums(V, F, of_angle(lambda angle: np.maximum(cot(angle), 0)))),
         (minus, -W),
         ("This is the Laplacian D - W (or libigl's, with the other sign), not W.",
          operators.laplacian(W)),
@@ -695,7 +707,7 @@ def cotangent_has_its_half(student, V, F):
     try:
         expect.proportional(got, W, "W", mistakes=mistakes)
     except expect.WrongAnswerError as wrong:
-        hint = "The cotangents themselves are not right yet; see the line above."
+        hint = "The cotangents themselves are not right yet; see the check above."
         raise expect.WrongAnswerError(hint, expected=wrong.expected, got=wrong.got) from None
     expect.close(got, W, "W", mistakes=mistakes)
 

@@ -10,8 +10,8 @@
 # price of a sparse linear system, and turns out to be the answer to a question that sounds
 # quite different: which mesh is smooth, and still close to the noisy one?
 #
-# **20 points.** Write your functions into the file `a4.py` beside this notebook. Run the
-# cells here; after you save `a4.py` the notebook uses the new version at once.
+# **20 points, about 5 hours.** Write your functions into the file `a4.py` beside this
+# notebook. Run the cells here; after you save `a4.py` the notebook uses the new version at once.
 # `check("...")` shows what is right and explains what is not. You hand in `a4.py` and
 # nothing else; it will also be tried on meshes that you have not seen.
 #
@@ -227,6 +227,8 @@ def check_implicit_step(student, V, F, t):
          lambda: solve(M + t * L, M @ solve(M + t * L, M @ V))),
         ("t stands at the right-hand side: it belongs to L, (M + t L) V+ = M V.",
          lambda: solve(M + L, t * (M @ V))),
+        ("M stands in front of L: M^-1 L is wanted, which is (M + t L) V+ = M V.",
+         lambda: solve(eye_array(len(V)) + t * M @ L, V)),
         ("The step has size t squared.", lambda: solve(M + t**2 * L, M @ V)),
         ("The step has size t / 2: here (M + t L).", lambda: solve(M + t / 2 * L, M @ V)),
         ("The step has size 2 t: here (M + t L).", lambda: solve(M + 2 * t * L, M @ V)),
@@ -333,6 +335,8 @@ def regularise_is_right(student, V, F):
          lambda: solve((1 - lam) * unit + lam * L, (1 - lam) * V)),
         ("This is a mixture (1 - lam) I + lam L: in (3) the first term has the weight 1.",
          lambda: solve((1 - lam) * unit + lam * L, V)),
+        ("This is what has moved, X - V; the new positions are wanted.",
+         lambda: solve(unit + lam * L, V) - V),
         ("lam enters squared.", lambda: solve(unit + lam**2 * L, V)),
         ("lam is not used.", lambda: solve(unit + L, V)),
         ("The right-hand side has lam too many: (I + lam L) X = V.",

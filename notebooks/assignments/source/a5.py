@@ -11,10 +11,10 @@
 # There is no single right answer here. **Find a filter that cleans the airframe *and* keeps the
 # missiles**, and see how far up the leaderboard it gets.
 #
-# **20 points, and a leaderboard.** Write your functions into the file `a5.py` beside this
-# notebook; `check("...")` shows how far you are. You hand in `a5.py` and nothing else; it will
-# be tried on aircraft that you have not seen: turned, moved, with other noise and another
-# number of triangles.
+# **20 points, about 6 hours, and a leaderboard.** Write your functions into the file `a5.py`
+# beside this notebook; `check("...")` shows how far you are. You hand in `a5.py` and nothing
+# else; it will be tried on aircraft that you have not seen: turned, moved, with other noise and
+# another number of triangles.
 #
 # **Allowed:** `numpy`, `scipy`, and meshfair's building blocks `meshfair.mesh`,
 # `meshfair.weights`, `meshfair.operators` and `meshfair.flow`.

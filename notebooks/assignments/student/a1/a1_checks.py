@@ -84,6 +84,13 @@ def added_without_repetition(V, F):
     return unit(N)
 
 
+def last_normals(V, F):
+    """What N[F] = ... gives: the last triangle wins."""
+    N = np.zeros(V.shape)
+    N[F.ravel()] = np.repeat(mesh.face_normals(V, F), 3, axis=0)
+    return N
+
+
 def summed_by_angle(V, F):
     """What weighting by the angles gives: another usual definition."""
     N = np.zeros(V.shape)
@@ -113,6 +120,11 @@ def vertex_normals_are_right(student, V, F):
             "where an index is repeated; use np.add.at.",
             lambda: added_without_repetition(V, F),
         ),
+        ("Each vertex has the normal of its last triangle; add all of them up, weighted.",
+         lambda: last_normals(V, F)),
+        ("You weight by the squares of the areas: the cross products hold the area once already.",
+         lambda: unit(mesh.scatter(
+             mesh.face_areas(V, F)[:, None] ** 2 * mesh.face_normals(V, F), F, len(V)))),
         ("You weight by the angles at the vertex; here the areas count.",
          lambda: summed_by_angle(V, F)),
         ("This is the direction from the middle of the mesh to the vertex, not a mean of normals.",
@@ -234,7 +246,9 @@ def noise_is_along_the_normals(student, V, N, eps, seed):
         off < 1e-6 + rounded,
         hint,
         expected="moves parallel to the normals",
-        got=f"{100 * off:.0f} % of the noise is sideways",
+        got=f"{100 * off:.0f} % of the noise is sideways"
+        if hint != NOISE_ALONE
+        else "all vertices near the origin",
     )
 
 

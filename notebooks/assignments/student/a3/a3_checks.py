@@ -368,11 +368,13 @@ def best_time_is_zero(student, V_noisy, V_true, A):
     """Time 0 where the flow never helps."""
     # The sphere is a little too large: some shrinking helps, a whole step is far too much.
     answer = student.best_stopping(V_noisy, V_true, A, TAU, STEPS)
-    time, _ = two_numbers(answer, metrics.snr(V_true, V_noisy))
+    time, snr = two_numbers(answer, metrics.snr(V_true, V_noisy))
     curve = flow.snr_curve(V_noisy, V_true, A, TAU, TAU * STEPS)
     hint = "Here every step makes it worse, so that it is best to stop at time 0."
     if expect.alike(time, TAU):
         hint += " Is the state before the first step among those that you look at?"
-    elif expect.alike(time, TAU * curve[:, 1].argmin()):
+    elif expect.alike(snr, -curve[:, 1].min()):
         hint = LOWEST
+    elif expect.alike(time, TAU * STEPS):
+        hint += " This is the end of the flow."
     expect.that(abs(time) < 1e-9, hint, expected="time 0", got=f"time {time:.4g}")
