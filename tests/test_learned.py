@@ -11,14 +11,19 @@ from hypothesis import strategies as st
 import meshfair
 from fast import both
 from meshes import grid, soups
-from meshfair import denoising, filters, mesh, noise, shapes
+from meshfair import denoising, filters, mesh, noise, operators, shapes, weights
 from meshfair.filters import face_network
 from meshfair.filters.face_network import Rings
 from meshfair.filters.guided_normal import Patches
-from meshfair.filters.learned import learned, record, trained
+from meshfair.filters.learned import learned, moved, record, trained
 from meshfair.filters.neighbourhoods import face_rings
 from meshfair.filters.normal_bank import COUNT, filtered_normals, surfaces
-from meshfair.filters.normal_filtering import joint_bilateral, mean_distance, spatial_weights
+from meshfair.filters.normal_filtering import (
+    joint_bilateral,
+    mean_distance,
+    move_vertices,
+    spatial_weights,
+)
 from meshfair.mesh.geometry import incidence
 from test_fast_filters import MESHES, same
 
@@ -119,6 +124,38 @@ def test_invariants_are_distances(rng):
         apart = [np.linalg.norm(G[i, a] - G[i, b]) for a in range(16) for b in range(a + 1, 16)]
         expected = [*(np.log(0.01 + np.array(apart)) + 2), 0, 0]
         np.testing.assert_allclose(found[i], expected, atol=1e-12)
+
+
+def test_folded_faces_are_unfolded():
+    V, F = grid(4)  # 5 x 5 vertices
+    folded = V.copy()
+    folded[12, :2] += [1.4, 0.1]  # the middle one, over the far edge of its ring
+    N = np.tile([0.0, 0, 1], (len(F), 1))
+    B = incidence(F, len(V))
+    A = operators.averaging(weights.combinatorial(F, len(V)))
+    over = mesh.face_normals(folded, F)[:, 2] < 0.8
+    assert 0 < over.sum() < len(F)
+    fixed = np.arange(len(V)) == F[over].ravel()[F[over].ravel() != 12][0]
+    found = moved(folded, F, B, A, N, fixed)
+    for i in range(len(V)):
+        expected = folded[i]
+        if i in F[over] and not fixed[i]:  # in a plane, all of the shift is along the surface
+            around = np.unique(F[(F == i).any(axis=1)])
+            expected = (folded[i] + folded[around[around != i]].mean(axis=0)) / 2
+        np.testing.assert_allclose(found[i], expected, atol=1e-12)
+    X = folded
+    for _ in range(20):
+        X = moved(X, F, B, A, N, fixed)
+    assert (mesh.face_normals(X, F)[:, 2] > 0.8).all()
+
+
+def test_a_face_that_is_not_turned_over_only_moves_to_its_plane(rng):
+    V, F = noisy_torus()
+    B, N = incidence(F, len(V)), mesh.face_normals(V, F)
+    A = operators.averaging(weights.combinatorial(F, len(V)))
+    fixed = np.zeros(len(V), dtype=bool)
+    found = moved(V, F, B, A, N, fixed)
+    np.testing.assert_array_equal(found, move_vertices(V, F, B, N, fixed))
 
 
 def test_the_bank_is_what_it_says():

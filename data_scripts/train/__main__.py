@@ -23,10 +23,10 @@ from network import Stage
 from score import score
 from shapes import Mesh, shape
 
-from meshfair import mesh, noise
+from meshfair import mesh, noise, operators, weights
 from meshfair import shapes as built_in
 from meshfair.checks import Floats
-from meshfair.filters.normal_filtering import move_vertices
+from meshfair.filters.learned import moved
 
 ROOT = Path(__file__).resolve().parents[2]
 WEIGHTS = ROOT / "lib" / "meshfair" / "filters" / "learned.npz"
@@ -103,6 +103,7 @@ class Examples:
 def passes(stages: list[Stage], surface: Surface, V: Floats) -> Iterator[tuple[Example, Floats]]:
     """What the first stage sees, and positions; then what each stage leaves of them."""
     F, free = surface.F, np.zeros(len(V), dtype=bool)
+    A = operators.averaging(weights.combinatorial(F, len(V)))
     of_input = mesh.face_normals(V, F)
     example = Example(surface, V, np.zeros((len(F), 2, 3)))
     yield example, V
@@ -110,7 +111,7 @@ def passes(stages: list[Stage], surface: Surface, V: Floats) -> Iterator[tuple[E
         with torch.no_grad():
             wanted = stage(*example.inputs).numpy().astype(float)
         for _ in range(MOVES):
-            V = move_vertices(V, F, surface.B, wanted, free)
+            V = moved(V, F, surface.B, A, wanted, free)
         example = Example(surface, V, np.stack([of_input, wanted], axis=1))
         yield example, V
 

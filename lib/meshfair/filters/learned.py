@@ -19,8 +19,9 @@ from importlib.resources import files
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.sparse import csr_array
 
-from meshfair.checks import Floats, check_count, check_fixed, check_mesh
+from meshfair.checks import Booleans, Floats, Integers, check_count, check_fixed, check_mesh
 from meshfair.filters.face_network import (
     BANK,
     LAYERS,
@@ -34,8 +35,13 @@ from meshfair.filters.guided_normal import Patches
 from meshfair.filters.neighbourhoods import face_rings
 from meshfair.filters.normal_bank import COUNT, filtered_normals, surfaces
 from meshfair.filters.normal_filtering import move_vertices
-from meshfair.mesh import face_shapes
+from meshfair.mesh import face_shapes, normalised
 from meshfair.mesh.geometry import incidence
+from meshfair.operators import averaging
+from meshfair.weights import combinatorial
+
+# Cosine of the angle, 37 degrees, from which on a face counts as turned over.
+FOLDED = 0.8
 
 
 def learned(
@@ -71,6 +77,7 @@ def learned(
     vertex_iterations = check_count(vertex_iterations, "vertex_iterations")
     fixed = check_fixed(fixed, len(V))
     B = incidence(F, len(V))
+    A = averaging(combinatorial(F, len(V)))
     patches = Patches(face_rings(B))
     steps, step = stages * (COUNT + LAYERS + vertex_iterations), 0
     of_input, wanted = np.zeros((len(F), 3)), np.zeros((len(F), 3))
@@ -93,9 +100,42 @@ def learned(
             of_input = N
         wanted = normals(network, h, v, G)
         for _ in range(vertex_iterations):
-            V = move_vertices(V, F, B, wanted, fixed)
+            V = moved(V, F, B, A, wanted, fixed)
             step += 1
             yield step / steps, V
+
+
+def moved(V: Floats, F: Integers, B: csr_array, A: csr_array, N: Floats, fixed: Booleans) -> Floats:
+    """Move each vertex towards the planes of its faces, and unfold where these have turned over.
+
+    A step of `meshfair.filters.normal_filtering.move_vertices` moves a vertex along normals,
+    which does not undo noise that has pushed it over an edge of its ring. So vertices of a
+    face that is far from the normal it should have also move along the surface,
+
+        v_i <- v_i + (I - m_i m_i') (A v - v)_i / 2,
+
+    towards the mean of their neighbours, with the mean normal m_i of their faces.
+
+    Parameters
+    ----------
+    V, F, B, N, fixed
+        As in `meshfair.filters.normal_filtering.move_vertices`.
+    A : csr_array, shape (n, n)
+        The averaging operator.
+
+    Returns
+    -------
+    ndarray of float64, shape (n, 3)
+    """
+    V = move_vertices(V, F, B, N, fixed)
+    actual, _, _ = face_shapes(V, F)
+    folded = np.sum(actual * N, axis=1) < FOLDED
+    folded &= actual.any(axis=1) & N.any(axis=1)  # what has no normal is not turned over
+    corner = np.zeros(len(V), dtype=bool)
+    corner[F[folded]] = True
+    shift, m = A @ V - V, normalised(B @ N)
+    shift -= np.sum(shift * m, axis=1, keepdims=True) * m
+    return V + 0.5 * (corner & ~fixed)[:, None] * shift
 
 
 @cache
