@@ -10,6 +10,8 @@ in the teacher's process, send it meshes that the student has not seen.
 ``assignment``  tasks, points, checks; marks a student
 ``outcomes``    what a check found, and what that is worth
 ``expect``      comparisons that explain what is wrong
+``mistakes``    known mistakes, by the values that come out of them
+``rounding``    what is the same up to rounding
 ``students``    a student's functions, in this process or in another one
 ``answers``     what a function returned, as plain data
 ``rules``       which imports and calls an assignment allows

@@ -4,30 +4,31 @@ A student's answer arrives here as plain arrays (see ``answers``), so that
 nothing in it can take part in its own comparison.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import Any, NoReturn
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array, issparse
 
 from meshfair_grading.answers import Other
+from meshfair_grading.mistakes import Mistakes, Recognised, explains, general
+from meshfair_grading.rounding import (
+    ATOL,
+    NEARLY,
+    RTOL,
+    Floats,
+    Tolerance,
+    alike,
+    differing,
+    rounding,
+    single,
+    size,
+)
 
-RTOL = 1e-6
-# Relative to the largest expected entry: rounding in entries that should be zero.
-ATOL = 1e-9
-# float32 rounds to 6e-8. What is left of that after the longest formula here, with its differences
-# and quotients on meshes away from the origin; relative to the entry, and to the largest one.
-SINGLE_RTOL, SINGLE_ATOL = 1e-3, 1e-5
-# Right to so much of the largest entry: worth a part of the points where a check says so.
-NEARLY = 1e-4
-Floats = NDArray[np.float64]
-# A hint, and the values that come out of the mistake that it is about; or, where many values can
-# come out of it, whether those that were returned are among them.
-Values = Any | Callable[[], Any]
-Mistakes = Sequence[tuple[str, Values]]
-COMMON_FACTORS = (-1, 2, 0.5, -2, -0.5, 3, 1 / 3, 4, 0.25, 6, 1 / 6)
+__all__ = [
+    "Recognised", "WrongAnswerError", "alike", "array", "close", "differing", "matrix", "number",
+    "proportional", "rounding", "single", "that",
+]  # fmt: skip
 
 
 class WrongAnswerError(Exception):
@@ -58,43 +59,10 @@ class WrongAnswerError(Exception):
         self.explanations = explanations
 
 
-class Recognised:
-    """Stands for the values of a mistake of which many values can come.
-
-    Parameters
-    ----------
-    test : callable
-        Gets what was returned, and says whether it is of the kind.
-    """
-
-    def __init__(self, test: Callable[[Floats], bool]) -> None:
-        self.test = test
-
-
 def that(condition: Any, hint: str, *, expected: str = "", got: str = "") -> None:
     """Raise `WrongAnswerError` unless a condition holds."""
     if not condition:
         raise WrongAnswerError(hint, expected=expected, got=got)
-
-
-def differing(expected: float, got: float, digits: int = 6) -> tuple[str, str]:
-    """Two different numbers, with digits up to their difference.
-
-    Parameters
-    ----------
-    expected, got : float
-    digits : int
-        How many to show where they are enough.
-
-    Returns
-    -------
-    expected, got : str
-    """
-    for enough in range(digits, 18):
-        shown = f"{expected:.{enough}g}", f"{got:.{enough}g}"
-        if float(shown[0]) != float(shown[1]):
-            break
-    return shown[0].replace("-0", "0") if float(shown[0]) == 0 else shown[0], shown[1]
 
 
 def array(
@@ -242,10 +210,10 @@ def close(
     expected = expected.toarray() if issparse(expected) else np.asarray(expected, dtype=float)
     got = _scalar(got) if expected.ndim == 0 else got
     got = array(got, name, expected.shape, finite=False)
-    tolerance = _Tolerance(rtol, single(got))
+    tolerance = Tolerance(rtol, single(got))
     if alike(got, expected, tolerance):
         return
-    explanations = [hint for hint, values in mistakes if _explains(values, got, tolerance)]
+    explanations = [hint for hint, values in mistakes if explains(values, got, tolerance)]
     _explain(got, expected, name, explanations, tolerance, nearly)
 
 
@@ -254,7 +222,7 @@ def _explain(
     expected: Floats,
     name: str,
     explanations: list[str],
-    tolerance: "_Tolerance",
+    tolerance: Tolerance,
     nearly: float = 0.0,
 ) -> NoReturn:
     """Raise for wrong values, with the mistakes that explain them."""
@@ -264,16 +232,16 @@ def _explain(
             wrong.hint, expected=wrong.expected, got=wrong.got, explanations=explanations or None
         )
     explanations = explanations + [
-        hint for hint, values in _general(got, expected, name) if alike(got, values, tolerance)
+        hint for hint, values in general(got, expected, name) if alike(got, values, tolerance)
     ]
     error = np.abs(got - expected)
     worst = np.unravel_index(np.argmax(error), expected.shape)
     where = f"{name}[{', '.join(map(str, worst))}]" if worst else name
-    off = ~np.isclose(got, expected, rtol=tolerance.relative, atol=ATOL * _size(expected))
+    off = ~np.isclose(got, expected, rtol=tolerance.relative, atol=ATOL * size(expected))
     many = f" ({np.count_nonzero(off)} of {off.size} entries differ)" if worst else ""
     right, wrong_one = differing(float(expected[worst]), float(got[worst]))
     plain = f"The values of {name} are wrong."
-    accuracy = float(error[worst]) / (_size(expected) or 1.0)
+    accuracy = float(error[worst]) / (size(expected) or 1.0)
     if accuracy < NEARLY:
         plain = (
             f"{name} is right to about {-np.log10(accuracy):.0f} digits, and no more: was it "
@@ -301,104 +269,17 @@ def proportional(got: Any, expected: Any, name: str, *, mistakes: Mistakes = ())
     """
     expected = expected.toarray() if issparse(expected) else np.asarray(expected, dtype=float)
     got = array(got, name, expected.shape, finite=False)
-    tolerance, scale = _Tolerance(RTOL, single(got)), np.abs(expected).sum()
+    tolerance, scale = Tolerance(RTOL, single(got)), np.abs(expected).sum()
     scaled = _scaled(got, scale)
     if alike(scaled, expected, tolerance):
         return
     explanations = [
         hint
         for hint, values in mistakes
-        if _explains(values, got, tolerance, lambda values: _scaled(values, scale))
+        if explains(values, got, tolerance, lambda values: _scaled(values, scale))
     ]
     _explain(scaled, expected, f"{name} (scaled to the right size)", explanations, tolerance)
 
 
 def _scaled(values: Floats, scale: float) -> Floats:
     return values * (scale / (np.abs(values[np.isfinite(values)]).sum() or 1.0))
-
-
-@dataclass(frozen=True)
-class _Tolerance:
-    """How far values may be off."""
-
-    relative: float = RTOL
-    single: bool = False
-    """Whether they were computed in float32."""
-
-
-def alike(got: ArrayLike, expected: ArrayLike, tolerance: _Tolerance | None = None) -> bool:
-    """Whether two arrays have one shape and agree up to rounding."""
-    got, expected = np.asarray(got, dtype=float), np.asarray(expected, dtype=float)
-    if got.shape != expected.shape:
-        return False
-    tolerance = tolerance or _Tolerance(single=single(got))
-    rtol, atol = tolerance.relative, ATOL
-    if tolerance.single:
-        rtol, atol = max(rtol, SINGLE_RTOL), SINGLE_ATOL
-    return np.allclose(got, expected, rtol, atol * _size(expected), equal_nan=True)
-
-
-def single(values: Any) -> bool:
-    """Whether an answer was computed in single precision: float32 holds every entry of it."""
-    values = values.data if issparse(values) else np.asarray(values, dtype=float)
-    with np.errstate(over="ignore"):
-        return bool(np.array_equal(values.astype(np.float32), values, equal_nan=True))
-
-
-def rounding(values: Any) -> float:
-    """What is rounded away from an answer, relative to its entries."""
-    return float(np.finfo(np.float32 if single(values) else np.float64).eps)
-
-
-def _size(expected: Floats) -> float:
-    return float(np.abs(expected[np.isfinite(expected)]).max(initial=0))
-
-
-def _explains(
-    values: Values,
-    got: Floats,
-    tolerance: _Tolerance,
-    scaled: Callable[[Floats], Floats] = np.asarray,
-) -> bool:
-    """Whether the values of a mistake are those that were returned."""
-    if isinstance(values, Recognised):
-        return bool(values.test(got))
-    with np.errstate(all="ignore"):
-        values = values() if callable(values) else values
-        values = values.toarray() if issparse(values) else np.asarray(values, dtype=float)
-        return alike(scaled(got), scaled(values), tolerance)
-
-
-def _general(got: Floats, expected: Floats, name: str) -> Iterator[tuple[str, Any]]:
-    """Mistakes that any values can have."""
-    name = name.partition(" (")[0]  # without what differs from case to case
-    for factor in COMMON_FACTORS:
-        hint = f"Your {name} is {factor:.3g} times the right one."
-        yield (f"The sign of {name} is wrong." if factor == -1 else hint), factor * expected
-    yield f"All of {name} is zero.", np.zeros_like(expected)
-    if expected.ndim == 2 and expected.shape[0] == expected.shape[1]:
-        yield f"This is the transpose of {name}.", expected.T
-    if expected.size > 3:
-        factor = float((got * expected).sum() / ((expected**2).sum() or 1.0))
-        yield f"Your {name} is {factor:.4g} times the right one.", factor * expected
-    if expected.ndim == 2 and expected.shape[1] == 3:
-        shift = (got - expected).mean(axis=0)
-        shown = ", ".join(f"{x:.3g}" for x in shift)
-        yield f"{name} is right up to a shift: all rows are off by ({shown}).", expected + shift
-        right = [alike(got[:, axis], expected[:, axis]) for axis in range(3)]
-        if any(right) and not np.allclose(got, expected, rtol=0, atol=NEARLY * _size(expected)):
-            one = " and ".join(
-                name for name, is_right in zip("xyz", right, strict=True) if is_right
-            )
-            yield f"Of {name}, {one} is right: do the same with all coordinates.", got
-    there = expected != 0
-    functions = {"absolute values": np.abs, "squares": np.square, "reciprocals": np.reciprocal,
-                 "square roots": np.sqrt}  # fmt: skip
-    for kind, function in functions.items():
-        values = expected.copy()
-        with np.errstate(all="ignore"):
-            values[there] = function(expected[there])
-        yield f"These are the {kind} of the right numbers.", values
-    for digits in range(6):
-        hint = f"{name} is rounded to {digits} decimals: return what was computed."
-        yield hint, expected.round(digits)
