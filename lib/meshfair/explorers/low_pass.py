@@ -199,8 +199,9 @@ class LowPassExplorer(Explorer):
         rng = np.random.default_rng(self._seed)
         V_noisy = noise.add(V, F, "normals", rng, size=settings["size"])
         W = BY_NAME[settings["weights"]](V_noisy, F)
-        job.progress(0.05)
+        self._say_how_long(len(V))
         eigenvalues, Phi = spectrum.eigenmodes(W)
+        self.say("")
         states: dict[str, list[Floats]] = {}
         for rival in RIVALS:
             states[rival] = []
