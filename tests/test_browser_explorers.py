@@ -119,6 +119,16 @@ def move_all(explorer, end):
         box.set_checked(end == "Home")
 
 
+def drawn_places(explorer, patience=30.0):
+    """Where everything is, once each curve is drawn: a slow filter's come only with its end."""
+    deadline = time.monotonic() + patience
+    while True:
+        places = explorer.evaluate(PLACES)
+        if all(drawn["marks"] for drawn in places["drawn"]) or time.monotonic() > deadline:
+            return places
+        time.sleep(0.1)
+
+
 def check_places(places, where):
     """Meshes, the first control and the first curve are in sight together, and curves are drawn."""
     left, top, right, bottom = places["sight"]
@@ -160,7 +170,7 @@ def test_every_control_of_every_explorer_at_both_ends(student, theme, screen):
             move_all(explorer, end)
             come_to_rest(student, explorer, QUIET[name])
             where = f"{name}, {theme}, {screen}, {end}"
-            check_places(explorer.evaluate(PLACES), where)
+            check_places(drawn_places(explorer), where)
             closer = name == "jet" and end == "End" and "missile" in explorer.inner_text()
             for frame in student.frames(explorer):
                 assert (frame[0, 0].mean() < 60) == dark, where
