@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from meshfair import explorers, metrics, noise, operators, shapes, spectrum, viewer, weights
 from meshfair.explorers import explorer as explorer_module
-from meshfair.explorers.low_pass import RIVALS, by_hand, transfer
+from meshfair.explorers.transfer import RIVALS, by_hand, transfer
 from meshfair.mesh import mean_edge_length
 
 V, F = shapes.knot(40, 6)
