@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from meshfair import explorers, metrics, noise, operators, shapes, spectrum, viewer, weights
-from meshfair.explorers.low_pass import RIVALS, by_hand, transfer
+from meshfair.explorers import explorer as explorer_module
+from meshfair.explorers.transfer import RIVALS, by_hand, transfer
 from meshfair.mesh import mean_edge_length
 
 V, F = shapes.knot(40, 6)
@@ -225,3 +226,17 @@ def test_all_factors_one_leave_a_mesh_as_it_is():
     W = weights.distance(V, F)
     _, Phi = spectrum.eigenmodes(W)
     np.testing.assert_allclose(spectrum.filtered(V, W, Phi, np.ones(len(V))), V, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [explorers.EigenmodeExplorer, explorers.LowPassExplorer, explorers.StabilityExplorer],
+    ids=lambda kind: kind.__name__,
+)
+def test_what_takes_seconds_says_how_many(kind, monkeypatch):
+    said = []
+    monkeypatch.setattr(explorer_module, "EIGENMODES", 7 / len(V) ** 3)
+    monkeypatch.setattr(kind, "say", lambda self, text: said.append(text))
+    kind(V, F).wait()
+    assert "computing 240 eigenmodes, which takes about 7 s …" in said
+    assert "computing" not in said[-1]

@@ -162,7 +162,7 @@ function render({ model, el }) {
       draw("circle", { cx: x, cy: Y(y), r: 4, fill: color(curve, i) }, svg);
       // With several curves the panels' titles give the values.
       if (series.length > 1) return;
-      const text = y.toFixed(2);
+      const text = Math.abs(y) < 1e5 ? y.toFixed(2) : y.toExponential(1);
       const [wide, high] = [7 * text.length + 4, 14];
       const line = curve.x.map((value, k) => [X(value), Y(curve.y[k])]);
       const ground = Math.min(bottom, height);

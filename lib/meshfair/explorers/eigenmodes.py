@@ -109,7 +109,7 @@ class EigenmodeExplorer(Explorer):
         V, F = self._mesh
         name, k, tau = settings["weights"], settings["mode"], settings["tau"]
         if name not in self._modes:
-            job.progress(0.1)
+            self._say_how_long(len(V))
             self._modes[name] = spectrum.eigenmodes(BY_NAME[name](V, F))
         eigenvalues, Phi = self._modes[name]
         job.check()

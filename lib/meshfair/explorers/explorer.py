@@ -15,6 +15,7 @@ from meshfair.viewer import View
 from meshfair.viewer.view import with_still
 
 Settings = dict[str, Any]
+EIGENMODES = 5e-10  # seconds for all of them, over the third power of the number of vertices
 
 
 class Explorer:
@@ -105,6 +106,12 @@ class Explorer:
     def say(self, text: str) -> None:
         """Show a line below the controls, or none."""
         self._note.value = html.escape(text)
+
+    def _say_how_long(self, count: int) -> None:
+        """Say how long the eigenmodes of so many vertices take, where that is seconds."""
+        seconds = EIGENMODES * count**3
+        if seconds > 1:
+            self.say(f"computing {count:,} eigenmodes, which takes about {seconds:.0f} s …")
 
     def _changed(self, name: str) -> None:
         """Handle a control's new value; a subclass may have a shorter way than all the work."""

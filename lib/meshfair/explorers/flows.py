@@ -280,9 +280,10 @@ class FlowExplorer(Explorer):
             values: dict[str, Floats | None] = dict.fromkeys(shown)
             first = None
             if settings["color"] != PLAIN:
-                look, quantity = coloring.COLORINGS[settings["color"]], run.start.quantity
-                first = quantity(settings["color"])(run.start.V_noisy)
-                found = {name: quantity(settings["color"])(V) for name, V in shown.items()}
+                look = coloring.COLORINGS[settings["color"]]
+                first = run.start.noisy_values(settings["color"])
+                quantity = run.start.quantity(settings["color"])
+                found = {name: quantity(V) for name, V in shown.items()}
                 # The noisy mesh sets the limits, so that the colours fade as the noise goes;
                 # where a mesh gets worse than it, that one does.
                 self.view.color_by(look.label, look.limits(first, *found.values()), look.cmap)

@@ -35,6 +35,7 @@ class Frame:
         self._view, self._used = view, np.unique(F)
         self.V = np.concatenate([V[self._used] for V in meshes])
         self._F, self._area = F, area(meshes[0], F)
+        self._home: tuple[float, Camera] | None = None  # for a shape of the picture
         self._hair = HAIR * np.ptp(meshes[0], axis=0).max() * vertex_normals(meshes[0], F)
 
     def drawn(self, V: Floats) -> tuple[Floats, str]:
@@ -54,7 +55,9 @@ class Frame:
         """
         if area(V, self._F) < THIN * self._area:
             return V + self._hair, ", drawn thicker"
-        home = self._camera(self.V)
+        if self._home is None or self._home[0] != self._view.aspect:
+            self._home = self._view.aspect, self._camera(self.V)
+        home = self._home[1]
         if _sees(home, V[self._used], self._view.aspect):
             return V, ""
         needed = self._camera(V[self._used])

@@ -25,23 +25,25 @@ from meshfair.explorers.controls import (
 from meshfair.explorers.curves import CurvePlot
 from meshfair.explorers.explorer import Explorer, Settings
 from meshfair.explorers.framing import Frame
+from meshfair.explorers.transfer import (
+    COLORS,
+    HAND,
+    LAM,
+    LENGTH,
+    MU,
+    RIVALS,
+    STEPS,
+    TAU,
+    by_hand,
+    transfer,
+)
 from meshfair.explorers.worker import Job
 from meshfair.metrics import snr
 from meshfair.operators import averaging, degrees, laplacian
 from meshfair.viewer import View, coloring
 from meshfair.weights import BY_NAME
 
-STEPS = 30  # of each of the other filters, at most
-TAU, LAM, MU, LENGTH = 0.2, 0.5, -0.53, 0.5  # heat step; Taubin's two; implicit step
 COUNTS = 60  # numbers of eigenmodes for which the curve is computed
-HAND = "by hand"
-RIVALS = {
-    "heat": f"heat steps of τ = {TAU:g}",
-    "taubin": "Taubin steps",
-    "implicit": f"implicit steps of τ = {LENGTH:g}",
-}
-COLORS = {HAND: "#CC79A7", "heat": "#0072B2", "taubin": "#D55E00", "implicit": "#009E73"}
-MARKS = {HAND: "o", "heat": "s", "taubin": "^", "implicit": "s"}
 
 
 class Spectrum(NamedTuple):
@@ -53,39 +55,6 @@ class Spectrum(NamedTuple):
     Phi: Floats
     states: dict[str, list[Floats]]
     decibels: dict[str, list[float]]
-
-
-def transfer(rival: str, eigenvalues: Floats, steps: int) -> Floats:
-    """The transfer function of some steps of one of `RIVALS`."""
-    factor = spectrum.transfer_function
-    if rival == "heat":
-        return factor(eigenvalues, TAU, steps)
-    if rival == "taubin":
-        return factor(eigenvalues, LAM, steps) * factor(eigenvalues, MU, steps)
-    return 1 / factor(eigenvalues, -LENGTH, steps)
-
-
-def by_hand(eigenvalues: Floats, count: int, width: float) -> Floats:
-    """A transfer function that is 1 for the first eigenmodes and 0 for the others.
-
-    Parameters
-    ----------
-    eigenvalues : ndarray of float64, shape (n,)
-        The largest first.
-    count : int
-        How many are kept.
-    width : float
-        Half the part of the axis of eigenvalues on which it falls; 0 for a sharp edge.
-
-    Returns
-    -------
-    ndarray of float64, shape (n,)
-    """
-    if width == 0 or not 0 < count < len(eigenvalues):
-        return (np.arange(len(eigenvalues)) < count).astype(float)
-    edge = (eigenvalues[count - 1] + eigenvalues[count]) / 2
-    part = np.clip((eigenvalues - edge) / width, -1, 1)
-    return (1 + np.sin(np.pi / 2 * part)) / 2
 
 
 class LowPassExplorer(Explorer):
@@ -199,8 +168,9 @@ class LowPassExplorer(Explorer):
         rng = np.random.default_rng(self._seed)
         V_noisy = noise.add(V, F, "normals", rng, size=settings["size"])
         W = BY_NAME[settings["weights"]](V_noisy, F)
-        job.progress(0.05)
+        self._say_how_long(len(V))
         eigenvalues, Phi = spectrum.eigenmodes(W)
+        self.say("")
         states: dict[str, list[Floats]] = {}
         for rival in RIVALS:
             states[rival] = []

@@ -25,6 +25,7 @@ class Start:
         self.V_true, self.V_noisy, self.F = V_true, V_noisy, F
         self._operators: dict[str, csr_array] = {}
         self._quantities: dict[str, coloring.Quantity] = {}
+        self._noisy_values: dict[str, Floats] = {}
 
     def operator(self, name: str) -> csr_array:
         """The averaging operator with weights by name, see `meshfair.weights.BY_NAME`."""
@@ -37,6 +38,12 @@ class Start:
         if name not in self._quantities:
             self._quantities[name] = coloring.COLORINGS[name].of(self.V_true, self.F)
         return self._quantities[name]
+
+    def noisy_values(self, name: str) -> Floats:
+        """The values of such a quantity on the noisy mesh."""
+        if name not in self._noisy_values:
+            self._noisy_values[name] = self.quantity(name)(self.V_noisy)
+        return self._noisy_values[name]
 
 
 class Run:

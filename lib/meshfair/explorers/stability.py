@@ -68,6 +68,7 @@ class StabilityExplorer(FlowExplorer):
         name = settings["weights"]
         if name not in self._eigenvalues:
             start = self._start_of(settings)
+            self._say_how_long(len(start.V_noisy))
             W = BY_NAME[name](start.V_noisy, start.F)
             self._eigenvalues[name] = spectrum.eigenvalues(W)
         eigenvalues = self._eigenvalues[name]
