@@ -109,27 +109,14 @@ def come_to_rest(student, explorer, quiet=150):
 
 
 def move_all(explorer, end):
-    """Put each control of an explorer to one of its ends: the events of a keyboard, all at once."""
-    explorer.evaluate(
-        """(explorer, end) => {
-            for (const handle of explorer.querySelectorAll(".noUi-handle")) {
-                handle.dispatchEvent(new KeyboardEvent("keydown", { key: end, bubbles: true }));
-            }
-            for (const menu of explorer.querySelectorAll("select")) {
-                menu.selectedIndex = end === "Home" ? 0 : menu.options.length - 1;
-                menu.dispatchEvent(new Event("change", { bubbles: true }));
-            }
-            for (const box of explorer.querySelectorAll("input[type=checkbox]")) {
-                if (box.checked !== (end === "Home")) box.click();
-            }
-        }""",
-        end,
-    )
-    ends = explorer.locator(".noUi-handle").evaluate_all(
-        "handles => handles.map(h => [h.ariaValueMin, h.ariaValueNow, h.ariaValueMax].map(Number))"
-    )
-    for low, now, high in ends:
-        assert now == (low if end == "Home" else high)
+    """Put each control of an explorer to one of its ends, as with the keyboard."""
+    for handle in explorer.locator(".noUi-handle").all():
+        handle.focus()
+        handle.press(end)
+    for menu in explorer.locator("select").all():
+        menu.select_option(index=0 if end == "Home" else menu.locator("option").count() - 1)
+    for box in explorer.locator("input[type=checkbox]").all():
+        box.set_checked(end == "Home")
 
 
 def drawn_places(explorer, patience=30.0):
@@ -188,7 +175,7 @@ def test_every_control_of_every_explorer_at_both_ends(student, theme, screen):
             for frame in student.frames(explorer):
                 assert (frame[0, 0].mean() < 60) == dark, where
                 check_frame(frame, where, whole=not closer)
-        student.picture(f"explorer-{name}-{theme.lower()}-{screen[0]}")
+            student.picture(f"explorer-{name}-{theme.lower()}-{screen[0]}-{end.lower()}")
     assert student.output_errors() == []
     assert student.complaints == []
 
