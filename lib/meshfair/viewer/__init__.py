@@ -3,6 +3,7 @@
 * `render` draws one picture into an array, without a screen: the report's figures.
 * `View` is a live view in a notebook: drag to turn, wheel to zoom.
 * `SideBySide` is the same without a notebook: pictures, and pages for a browser.
+* `page_files` are the scripts and styles of such pages, for a site.
 * `show` opens polyscope's own window, where there is a screen.
 
 Importing this package needs neither polyscope nor Jupyter; they are loaded
@@ -14,6 +15,7 @@ from meshfair.viewer.distance import by_distance
 from meshfair.viewer.egl import has_egl
 from meshfair.viewer.offscreen import on_gl_thread, render
 from meshfair.viewer.panel import CMAPS
+from meshfair.viewer.scripts import page_files
 from meshfair.viewer.side_by_side import SideBySide
 from meshfair.viewer.view import View
 from meshfair.viewer.window import show
@@ -26,6 +28,7 @@ __all__ = [
     "by_distance",
     "has_egl",
     "on_gl_thread",
+    "page_files",
     "render",
     "show",
 ]

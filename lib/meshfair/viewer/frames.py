@@ -13,7 +13,6 @@ import io
 import threading
 import time
 from collections.abc import Iterable, Sequence
-from pathlib import Path
 from typing import Any
 
 import anywidget
@@ -24,6 +23,7 @@ from meshfair.viewer import offscreen
 from meshfair.viewer.backend import Shown
 from meshfair.viewer.offscreen import Pixels
 from meshfair.viewer.page import bar
+from meshfair.viewer.scripts import text
 
 DRAFT, GOOD = 1, 2  # supersampling
 LOST = 5.0  # seconds after which a frame that was not confirmed is given up: its page is gone
@@ -33,8 +33,8 @@ LARGEST = 2400  # pixels, of a frame's longer side
 class FramesWidget(anywidget.AnyWidget):
     """The page's part: pictures, pointer, colour bar. See frames.js."""
 
-    _esm = Path(__file__).with_name("frames.js")
-    _css = Path(__file__).with_name("frames.css")
+    _esm = text("stage.js", "frames.js")
+    _css = text("frames.css")
     count = traitlets.Int(1).tag(sync=True)
 
 

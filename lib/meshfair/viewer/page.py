@@ -1,25 +1,21 @@
-"""Meshes side by side as a web page on file, which needs neither a kernel nor a network.
-
-k3d draws them: its program, packed, is part of the page, and so are the meshes. See page.js.
-"""
+"""Meshes and explorers as HTML, which needs neither a kernel nor a network."""
 
 from __future__ import annotations
 
 import base64
 import html
-import json
-import zlib
-from importlib.resources import files
+import io
 from os import PathLike
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING
 
-from meshfair.checks import needed_for
+from meshfair.checks import check_text
 from meshfair.io.saving import replace_file
-from meshfair.viewer.camera import Camera
-from meshfair.viewer.panel import Panel, Scale
+from meshfair.viewer.panel import Scale
+from meshfair.viewer.scripts import page_files
 
-MOST = 12  # panels: browsers draw in sixteen places at a time, and the page may have neighbours
+if TYPE_CHECKING:
+    from PIL.Image import Image
 
 PAGE = """\
 <!doctype html>
@@ -31,84 +27,74 @@ PAGE = """\
 <style>
 {style}</style>
 </head>
-<body>
-<main></main>
-<footer></footer>
-<script type="text/plain" id="licences">
-{licences}</script>
-<script type="text/plain" id="k3d">{library}</script>
-<script type="application/json" id="meshes">{meshes}</script>
-<script type="module">
+<body class="meshfair-page">
+<main>
+{part}</main>
+<script>
 {script}</script>
 </body>
 </html>
 """
 
-
-class Shown(Protocol):
-    """What a page shows."""
-
-    placed: list[Panel]
-    titles: list[str]
-    label: str
-
-    @property
-    def scale(self) -> Scale | None:
-        """How the panels' values become colours."""
-
-    def placed_camera_for(self, aspect: float) -> Camera:
-        """The camera that sees the placed panels, for panels of this shape."""
+PART = """\
+<div class="meshfair-player" role="group" aria-label="{label}">
+<img class="still" src="data:image/webp;base64,{still}" width="{width}" height="{height}" \
+alt="{label}">
+<script type="application/octet-stream" class="packed">{packed}</script>
+</div>
+"""
 
 
-def write_page(shown: Shown, path: str | PathLike[str], title: str) -> None:
-    """Write a page with some panels; see `meshfair.viewer.SideBySide.page`."""
-    if len(shown.placed) > MOST:
-        raise ValueError(
-            f"a page of {len(shown.placed)} meshes is more than browsers draw; give up to {MOST}"
-        )
-    with needed_for("a page"):
-        from meshfair.viewer.in_page import drawn, plot, pose
+def part(packed: str, still: Image, label: str) -> str:
+    """What a page shows of a view or an explorer: a still, and what makes it move.
 
-    snapshots, camera = [], pose(shown.placed_camera_for(1.0))
-    for panel in shown.placed:
-        picture = plot()
-        picture += drawn(panel, shown.scale)
-        picture.camera = camera
-        snapshots.append(_packed(picture.get_binary_snapshot(compression_level=6)))
-    meshes = {
-        "titles": shown.titles,
-        "snapshots": snapshots,
-        "camera": camera,
-        "bar": shown.scale and bar(shown.scale, shown.label),
-    }
-    ours, theirs = files("meshfair.viewer"), files("k3d").joinpath("static")
-    library = theirs.joinpath("standalone.js").read_bytes()
-    text = PAGE.format(
-        title=html.escape(title),
-        style=ours.joinpath("page.css").read_text(encoding="utf-8"),
-        script=ours.joinpath("page.js").read_text(encoding="utf-8"),
-        licences=_licences(),
-        library=_packed(zlib.compress(library, 9)),
-        meshes=json.dumps(meshes).replace("<", "\\u003c"),  # a title may hold anything
+    Parameters
+    ----------
+    packed : str
+        From `meshfair.viewer.recording.Recording`.
+    still : PIL.Image.Image
+        What is seen without scripts, or without WebGL.
+    label : str
+        What is seen, in words.
+
+    Returns
+    -------
+    str
+        HTML without a blank line, so that it can stand in Markdown.
+    """
+    data = io.BytesIO()
+    still.save(data, "WEBP", quality=85, method=4)
+    return PART.format(
+        label=html.escape(label),
+        still=base64.b64encode(data.getvalue()).decode("ascii"),
+        width=still.width,
+        height=still.height,
+        packed=packed,
     )
-    replace_file(Path(path), text.encode())
+
+
+def write_page(given: str, path: str | PathLike[str], title: str) -> None:
+    """Write a page with what `part` gives, and the scripts and styles for it."""
+    shared = page_files()
+    page = PAGE.format(
+        title=html.escape(check_text(title, "title")),
+        style=shared["meshfair.css"],
+        part=given,
+        script=shared["meshfair.js"],
+    )
+    replace_file(Path(path), page.encode())
+
+
+def described(titles: list[str], label: str) -> str:
+    """What a picture of meshes shows, in words."""
+    named = "; ".join(title for title in titles if title)
+    count = len(titles)
+    meshes = "A mesh" if count == 1 else f"{count} meshes side by side"
+    said = f"{meshes}: {named}" if named else meshes
+    return f"{said}. Colours: {label}." if label else f"{said}."
 
 
 def bar(scale: Scale, label: str) -> dict[str, object]:
     """What the page needs to draw the colour bar."""
     low, high = scale.ends()
     return {"label": label, "low": low, "high": high, "stops": scale.stops()}
-
-
-def _licences() -> str:
-    """What k3d and the libraries in it ask to be passed on with them."""
-    from importlib.metadata import files as installed
-
-    theirs = [file for file in installed("k3d") or [] if "license" in file.name.lower()]
-    wanted = [file for file in theirs if file.name.startswith(("LICENSE", "standalone"))]
-    texts = "\n".join(file.read_text(encoding="utf-8") for file in wanted)
-    return html.escape(f"k3d draws this page.\n{texts}", quote=False)
-
-
-def _packed(data: bytes) -> str:
-    return base64.b64encode(data).decode("ascii")

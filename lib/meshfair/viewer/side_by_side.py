@@ -14,15 +14,15 @@ from meshfair.checks import (
     check_flag,
     check_mesh,
     check_number,
-    check_text,
     check_values,
     check_vertices,
 )
 from meshfair.viewer.arguments import coloring, each, each_mesh, each_title
 from meshfair.viewer.camera import Camera
-from meshfair.viewer.page import write_page
+from meshfair.viewer.page import described, part, write_page
 from meshfair.viewer.panel import NONE, Panel, Scale
 from meshfair.viewer.placement import Placement
+from meshfair.viewer.recording import Recording
 from meshfair.viewer.stills import STILL, still
 
 if TYPE_CHECKING:
@@ -102,6 +102,10 @@ class SideBySide:
         """The camera that sees the placed panels."""
         return self._placement.camera(self.camera)
 
+    @placed_camera.setter
+    def placed_camera(self, camera: Camera) -> None:
+        self.camera = self._placement.back(camera)
+
     @property
     def scale(self) -> Scale | None:
         """How the panels' values become colours now: a `Scale`, None without values."""
@@ -133,10 +137,6 @@ class SideBySide:
     def _camera_home(self, aspect: float | None = None) -> Camera:
         V, direction = self._home
         return Camera.around(V, direction, self.up, aspect=aspect or self.aspect)
-
-    def placed_camera_for(self, aspect: float) -> Camera:
-        """The camera of `camera_for` that sees the placed panels."""
-        return self._placement.camera(self.camera_for(aspect))
 
     def camera_for(self, aspect: float) -> Camera:
         """The camera for a picture of another shape, in which nothing is cut.
@@ -186,10 +186,28 @@ class SideBySide:
         """
         return still(self, size, background)
 
-    def page(self, path: str | PathLike[str], title: str = "meshfair") -> None:
+    def to_html(self) -> str:
+        """What is shown now as a part of a web page, in which the meshes can be turned.
+
+        Returns
+        -------
+        str
+            HTML with the meshes and a still, for a page that has the files of
+            `meshfair.viewer.page_files`; without them, or without WebGL, the still is seen.
+
+        Raises
+        ------
+        ImportError
+            matplotlib or Pillow is missing; the message says what to install.
+        """
+        recording = Recording(self)
+        recording.add(self)
+        return part(recording.packed(), self.still(), described(self.titles, self.label))
+
+    def save(self, path: str | PathLike[str], title: str = "meshfair") -> None:
         """Write a web page on which the meshes can be turned, all together.
 
-        It needs neither a kernel nor a network: what draws them, k3d, is in it.
+        It needs neither a kernel nor a network: what draws the meshes is in it.
 
         Parameters
         ----------
@@ -201,8 +219,8 @@ class SideBySide:
         Raises
         ------
         ValueError
-            More than twelve panels, which browsers do not draw, or a title that is no text.
+            A title that is no text.
         ImportError
-            k3d is missing; the message says what to install.
+            matplotlib or Pillow is missing; the message says what to install.
         """
-        write_page(self, path, check_text(title, "title"))
+        write_page(self.to_html(), path, title)

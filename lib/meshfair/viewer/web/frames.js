@@ -1,4 +1,4 @@
-// Shows the frames that Python sends, and sends back what the pointer does.
+// Shows the frames that Python sends, and sends back what the pointer does. Behind stage.js.
 //
 // To Python:  layout  panel size, pixel ratio and background; asks for all panels
 //             move    the camera's change since the last move, while none is unanswered
@@ -10,20 +10,10 @@
 
 const RETRY = 3000; // ms until a first frame that did not come is asked for again
 const REST = 250; // ms without a new frame until good frames are asked for
-const STILL = 3; // pixels up to which a press that moves is a click
-const SCROLL = 400; // ms within which a wheel goes on scrolling the page
 const PATIENCE = 4000; // ms until an answer is missed
 const TOUCHES = ["pointerdown", "keydown", "change"];
 const GONE =
   "Python does not answer. If the kernel was restarted, run this cell again; if it is busy, wait.";
-const HINT = "drag or arrow keys: turn · shift-drag: move · wheel or + -: zoom · R: reset";
-
-function element(name, className, parent) {
-  const node = document.createElement(name);
-  node.className = className;
-  parent?.append(node);
-  return node;
-}
 
 /** The colour on which the notebook draws, each channel from 0 to 1. */
 function background(node) {
@@ -31,32 +21,8 @@ function background(node) {
   return channels.slice(0, 3).map((channel) => channel / 255);
 }
 
-function distance(one, other) {
-  return Math.hypot(one.clientX - other.clientX, one.clientY - other.clientY);
-}
-
 function pause(milliseconds) {
   return new Promise((resolve) => setTimeout(resolve, milliseconds));
-}
-
-class Bar {
-  constructor(parent) {
-    this.node = element("span", "bar", parent);
-    this.label = element("span", "label", this.node);
-    this.low = element("span", "low", this.node);
-    this.colours = element("i", "", this.node);
-    this.high = element("span", "high", this.node);
-    this.show(null);
-  }
-
-  show(bar) {
-    this.node.hidden = !bar;
-    if (!bar) return;
-    this.low.textContent = bar.low;
-    this.high.textContent = bar.high;
-    this.label.textContent = bar.label;
-    this.colours.style.background = `linear-gradient(to right, ${bar.stops.join(",")})`;
-  }
 }
 
 /** Gathers the camera's changes; at most one message to Python is unanswered. */
@@ -138,107 +104,19 @@ class Pulse {
   }
 }
 
-/** Turns pointer, wheel and keys on one panel into moves. */
-function control(stage, moves, reset, click) {
-  let last = null;
-  let pressed = null; // where, until the pointer has been dragged away from there
-  let scrolled = -Infinity; // when the wheel last moved the page
-
-  stage.addEventListener("pointerdown", (event) => {
-    stage.setPointerCapture(event.pointerId);
-    stage.focus({ preventScroll: true });
-    last = event;
-    pressed = event.button === 0 && !event.shiftKey ? event : null;
-    event.preventDefault();
-  });
-  stage.addEventListener("pointermove", (event) => {
-    if (!last || event.pointerId !== last.pointerId) return;
-    if (pressed && distance(event, pressed) <= STILL) return; // still a click
-    pressed = null;
-    const x = (event.clientX - last.clientX) / stage.clientHeight;
-    const y = (event.clientY - last.clientY) / stage.clientHeight;
-    last = event;
-    const sliding = event.shiftKey || event.buttons & 6;
-    // One height of the panel is half a turn.
-    moves.add(sliding ? { pan: [-x, y] } : { yaw: -x * Math.PI, pitch: y * Math.PI });
-  });
-  stage.addEventListener("pointerup", (event) => {
-    if (!pressed) return;
-    pressed = null;
-    const box = stage.getBoundingClientRect();
-    const x = (2 * (event.clientX - box.left)) / box.width - 1;
-    click(x, 1 - (2 * (event.clientY - box.top)) / box.height);
-  });
-  for (const end of ["pointerup", "pointercancel"]) {
-    stage.addEventListener(end, () => (last = null));
-  }
-  stage.addEventListener("contextmenu", (event) => event.preventDefault());
-
-  // A wheel that scrolls the page past the view goes on scrolling: it zooms when it begins here.
-  const elsewhere = (event) => {
-    if (!stage.contains(event.target)) scrolled = event.timeStamp;
-  };
-  window.addEventListener("wheel", elsewhere, { capture: true, passive: true });
-  stage.addEventListener(
-    "wheel",
-    (event) => {
-      if (event.timeStamp - scrolled < SCROLL) {
-        scrolled = event.timeStamp;
-        return;
-      }
-      event.preventDefault();
-      const pixels = event.deltaY * (event.deltaMode === 1 ? 20 : 1);
-      moves.add({ zoom: Math.exp(Math.max(-0.5, Math.min(0.5, pixels / 500))) });
-    },
-    { passive: false },
-  );
-
-  const step = Math.PI / 24;
-  const keys = {
-    ArrowLeft: { yaw: step },
-    ArrowRight: { yaw: -step },
-    ArrowUp: { pitch: -step },
-    ArrowDown: { pitch: step },
-    "+": { zoom: 0.9 },
-    "-": { zoom: 1 / 0.9 },
-  };
-  stage.addEventListener("keydown", (event) => {
-    if (event.key in keys) moves.add(keys[event.key]);
-    else if (event.key.toLowerCase() === "r") reset();
-    else return;
-    event.preventDefault();
-    event.stopPropagation();
-  });
-  return () => window.removeEventListener("wheel", elsewhere, { capture: true });
-}
-
 function render({ model, el }) {
-  el.classList.add("meshfair-view");
   const moves = new Moves(model);
   const reset = () => model.send({ kind: "reset" });
 
-  const row = element("div", "panels", el);
-  const panels = Array.from({ length: model.get("count") }, (_, panel) => {
-    const figure = element("figure", "", row);
-    const caption = element("figcaption", "", figure);
-    const stage = element("div", "stage", figure);
-    stage.tabIndex = 0;
-    stage.setAttribute("role", "img");
-    stage.dataset.lmSuppressShortcuts = "true"; // JupyterLab keeps its hands off these keys
-    const picture = element("img", "", stage);
-    picture.draggable = false;
-    picture.alt = "";
+  const { panels, button, bar, error } = frameOf(el, model.get("count"));
+  for (const [panel, shown] of panels.entries()) {
+    shown.picture = element("img", "", shown.stage);
+    shown.picture.draggable = false;
+    shown.picture.alt = "";
     const click = (x, y) => model.send({ kind: "click", panel, x, y });
-    return { caption, stage, picture, release: control(stage, moves, reset, click) };
-  });
-
-  const foot = element("div", "foot", el);
-  const button = element("button", "", foot);
-  button.textContent = "Reset view";
+    shown.release = control(shown.stage, moves, reset, click);
+  }
   button.addEventListener("click", reset);
-  element("span", "hint", foot).textContent = HINT;
-  const bar = new Bar(foot);
-  const error = element("span", "error", foot);
 
   const pulse = new Pulse(model, el, (text) => {
     error.textContent = text;
@@ -251,14 +129,13 @@ function render({ model, el }) {
     bar.show(message.bar);
     await Promise.all(
       message.panels.map(async (k, i) => {
-        const { caption, stage, picture } = panels[k];
+        const { stage, picture } = panels[k];
         const old = picture.src;
         picture.src = URL.createObjectURL(new Blob([buffers[i]], { type: "image/jpeg" }));
         // A picture that is out of sight, or replaced by a newer one, may never be decoded.
         await Promise.race([picture.decode().catch(() => {}), pause(200)]);
         if (old) URL.revokeObjectURL(old);
-        caption.textContent = message.titles[i];
-        stage.setAttribute("aria-label", `Mesh: ${message.titles[i]}`);
+        entitle(panels[k], message.titles[i]);
         stage.dataset.frame = message.number;
         stage.dataset.draft = message.draft;
       }),
