@@ -20,6 +20,8 @@ Make = Callable[..., pd.DataFrame | None]
 
 SEED = 1  # of every single-draw experiment
 JET_NOISE: dict[str, Any] = {"noise": "normals", "size": 0.3}
+JET_TIMES = {"early": 0.6, "halfway": 2.0, "late": 4.0}  # at which the jet is shown
+BUNNY_STEPS = 5  # of averaging, after which the bunny is shown
 QUALITY_NOISE = 0.2  # along the normals, in mean edge lengths
 
 
