@@ -95,7 +95,7 @@ def typeset(out: Path) -> None:
         str(HERE / "report.typ"),
         root=str(HERE),
         ignore_system_fonts=True,
-        pdf_tags=False,  # typst 0.15 fails with an internal error on tags in floating figures
+        pdf_standards="ua-1",  # tagged, and refused where a picture or formula lacks its words
     )
     unfinished = out.with_suffix(".part")
     unfinished.write_bytes(pdf)

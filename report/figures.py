@@ -57,9 +57,11 @@ class Wall:
             Image.fromarray(np.ascontiguousarray(cropped)).save(self.folder / f"{name}.png")
 
 
-def colour_bar(path: Path, limits: tuple[float, float], label: str, cmap: str = ERRORS) -> None:
-    """A colour bar of its own, to stand below a row of meshes; ``cmap`` as Polyscope has it."""
-    with plotting.figure(path, (4.0, 0.5)) as axes:
+def colour_bar(
+    path: Path, limits: tuple[float, float], label: str, cmap: str = ERRORS, width: float = 4.0
+) -> None:
+    """A colour bar of its own, to stand beside meshes; ``cmap`` as Polyscope has it."""
+    with plotting.figure(path, (width, 0.5)) as axes:
         axes.imshow(
             np.linspace(0, 1, 256)[None],
             aspect="auto",
@@ -339,8 +341,8 @@ def gallery(folder: Path, data: Tables) -> None:
                 f"gallery-{mesh}-{name}", X, F, values=angles, limits=GALLERY_ANGLES, cmap=ANGLES
             )
         wall.save()
-    label = "angle to the true normal, in degrees"
-    colour_bar(folder / "gallery-angles.svg", GALLERY_ANGLES, label, ANGLES)
+    label = "angle to the true normal (degrees)"
+    colour_bar(folder / "gallery-angles.svg", GALLERY_ANGLES, label, ANGLES, width=2.4)
 
 
 def risk(folder: Path, _: Tables) -> None:

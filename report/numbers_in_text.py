@@ -8,7 +8,7 @@ from meshfair.denoising import estimate_noise
 from meshfair.experiments import PAIRS, load_mesh, noisy_pair
 from meshfair.experiments.original import F16_DECIBELS, KNOT_DECIBELS, TAU, TIME
 from meshfair.mesh import Edges, components, mean_edge_length, unique_faces
-from tables import JET_NOISE, QUALITY_NOISE, SEED
+from tables import BUNNY_STEPS, JET_NOISE, JET_TIMES, QUALITY_NOISE, SEED
 
 Tables = dict[str, pd.DataFrame]
 Texts = dict[str, str]
@@ -37,7 +37,9 @@ def numbers(data: Tables) -> dict[str, str | bool]:
         "knot-decibels": f"{KNOT_DECIBELS:g}",
         "f16-decibels": f"{F16_DECIBELS:g}",
         "jet-size": f"{JET_NOISE['size']:g}",
+        "bunny-shown": str(BUNNY_STEPS),
     }
+    found |= {f"jet-{when}": f"{time:g}" for when, time in JET_TIMES.items()}
     for name in ("f16", "bunny"):
         found[f"has-{name}"] = name in data
     found["has-pairs"] = set(PAIRS) <= set(data["quality"]["mesh"])
