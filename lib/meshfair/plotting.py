@@ -153,13 +153,15 @@ def legend(axes: Axes, best: str | None = None, **options: Any) -> None:
     from matplotlib.legend_handler import HandlerTuple
     from matplotlib.lines import Line2D
 
-    handles, labels = axes.get_legend_handles_labels()
+    curves, labels = axes.get_legend_handles_labels()
+    handles: list[Any] = list(curves)
     if best:
         marks = (
             Line2D([], [], ls="", marker=mark, color=WEIGHT_COLORS[name], markersize=4.5)
             for name, mark in WEIGHT_MARKS.items()
             if name in labels
         )
-        handles, labels = [*handles, tuple(marks)], [*labels, best]
+        handles.append(tuple(marks))
+        labels.append(best)
     handlers = {tuple: HandlerTuple(ndivide=None, pad=0.3)}
     axes.legend(handles, labels, handler_map=handlers, **options)
