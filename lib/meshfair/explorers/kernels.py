@@ -2,26 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 import ipywidgets as widgets
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meshfair import noise
-from meshfair.checks import Floats, check_mesh
+from meshfair import filters, noise
+from meshfair.checks import Floats, Integers, check_mesh
 from meshfair.explorers.controls import choice, size_slider, slider
 from meshfair.explorers.curves import CurvePlot
 from meshfair.explorers.explorer import Explorer, Settings
 from meshfair.explorers.framing import Frame
 from meshfair.explorers.worker import Job
 from meshfair.filters import kernel_table
+from meshfair.filters.normal_filtering import gaussian
 from meshfair.metrics import normal_angle
 from meshfair.viewer import View, coloring
 
 ANGLES = (0.0, 30.0)  # ends of the colour bar, the same for all panels
 OTHERS = "all others"
+FINE = np.linspace(0, 180, 91)  # degrees at which the Gaussian is drawn
 GAUSSIAN, TABLE, LAST = "Gaussian", "table", "table, last pass"
+VERTEX_ITERATIONS = 20
 COLORS = {GAUSSIAN: "#E69F00", TABLE: "#0072B2", LAST: "#56B4E9"}
 # The noise that is learned from is another draw than the one that is denoised.
 LEARNED, TRIED = 1, 2
@@ -72,10 +76,10 @@ class KernelExplorer(Explorer):
                 ends=(1, 10),
                 step=1,
             ),
-            "sigma": slider(
+            "width": slider(
                 widgets.FloatSlider,
-                "sigma of normals",
-                "Of the Gaussian kernel: how large a difference of two normals still counts",
+                "Gaussian's width",
+                "Of the Gaussian kernel: the difference of two unit normals that still counts",
                 value=0.35,
                 ends=(0.1, 2.0),
                 step=0.05,
@@ -103,21 +107,31 @@ class KernelExplorer(Explorer):
         V, F = self._meshes[settings["test"]]
         V_noisy, passes = self._noisy(settings["test"], settings["size"], TRIED), settings["passes"]
         tables = self._learn(job, settings)
-        by_kernel = {
-            GAUSSIAN: [kernel_table.gaussian_table(settings["sigma"])] * passes,
-            TABLE: tables[:passes],
+        by_pass = {
+            GAUSSIAN: self._by_gaussian(V_noisy, F, settings["width"], passes),
+            TABLE: (
+                kernel_table.fit_vertices(V_noisy, F, N, VERTEX_ITERATIONS)
+                for N in kernel_table.normals_by_tables(V_noisy, F, tables[:passes])
+            ),
         }
         found, errors = {}, {}
-        for done, (name, kernel) in enumerate(by_kernel.items()):
+        for done, (name, states) in enumerate(by_pass.items()):
             angles = []
-            for N in kernel_table.normals_by_tables(V_noisy, F, kernel):
-                found[name] = kernel_table.fit_vertices(V_noisy, F, N)
-                angles.append(normal_angle(found[name], V, F))
+            for X in states:
+                found[name] = X
+                angles.append(normal_angle(X, V, F))
                 job.progress(0.6 + 0.2 * (done + len(angles) / (passes + 1)))
             errors[name] = (np.arange(passes + 1), angles)
         self._show(settings["test"], {"noisy": V_noisy} | found)
-        self._draw(by_kernel)
+        self._draw(settings["width"], tables[:passes])
         self.plots[1].draw(errors, colors=COLORS, x_range=(0, passes))
+
+    def _by_gaussian(self, V: Floats, F: Integers, width: float, passes: int) -> Iterator[Floats]:
+        """The mesh after 0, 1, ... passes of the package's own filter."""
+        options: dict[str, Any] = {"sigma_normal": width, "vertex_iterations": VERTEX_ITERATIONS}
+        for count in range(passes + 1):
+            *_, (_, X) = filters.bilateral_normal(V, F, normal_iterations=count, **options)
+            yield X
 
     def _noisy(self, name: str, size: float, seed: int) -> Floats:
         V, F = self._meshes[name]
@@ -157,14 +171,12 @@ class KernelExplorer(Explorer):
                 title = f"{title}: {normal_angle(X, V, F):.1f}°{remark}"
                 self.view.update(drawn, panel=panel, F=F, values=color(X), title=title)
 
-    def _draw(self, by_kernel: dict[str, list[Floats]]) -> None:
+    def _draw(self, width: float, tables: list[Floats]) -> None:
         """The kernels against the angle, at a mean distance."""
-        shown = {GAUSSIAN: by_kernel[GAUSSIAN][0], TABLE: by_kernel[TABLE][0]}
-        if len(by_kernel[TABLE]) > 1:
-            shown[LAST] = by_kernel[TABLE][-1]
+        apart = 2 - 2 * np.cos(np.radians(FINE))  # |n_i - n_j|^2
+        curves = {GAUSSIAN: (FINE, gaussian(apart, width))}
         near = int(np.argmin(np.abs(kernel_table.DISTANCES - 1)))
-        curves = {}
-        for name, table in shown.items():
+        for name, table in {TABLE: tables[0], LAST: tables[-1]}.items():
             weight = table.reshape(len(kernel_table.ANGLES), -1)[:, near]
             curves[name] = (kernel_table.ANGLES, weight / (np.abs(weight).max() or 1.0))
         self.plots[0].draw(curves, colors=COLORS, x_range=(0, 180))
