@@ -112,8 +112,9 @@ def partial_sums(N: Floats, pairs: FacePairs) -> Floats:
     ndarray of float64, shape (m, len(ANGLES) * len(DISTANCES), 3)
     """
     i, j, share, distance = pairs
-    cosine = np.clip(np.sum(N[i] * N[j], axis=1), -1, 1)
-    angles, distances = hats(np.degrees(np.arccos(cosine)), ANGLES), hats(distance, DISTANCES)
+    chord = np.linalg.norm(N[i] - N[j], axis=1)  # near 0 far more accurate than an arccos
+    angle = np.degrees(2 * np.arcsin(np.minimum(chord / 2, 1)))
+    angles, distances = hats(angle, ANGLES), hats(distance, DISTANCES)
     G = np.empty((len(N), len(ANGLES) * len(DISTANCES), 3))
     for entry, (a, b) in enumerate(np.ndindex(len(ANGLES), len(DISTANCES))):
         w = share * angles[:, a] * distances[:, b]
