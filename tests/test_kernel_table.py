@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from meshfair import MeshError, explorers, filters, metrics, noise, shapes, viewer
+from meshfair import MeshError, experiments, explorers, filters, metrics, noise, shapes, viewer
 from meshfair.filters import kernel_table
 from meshfair.filters.kernel_table import ANGLES, DISTANCES
 from meshfair.mesh import face_normals, face_shapes
@@ -203,3 +203,16 @@ def test_more_passes_need_no_new_tables(explorer, monkeypatch):
 def test_one_mesh_is_not_enough():
     with pytest.raises(ValueError, match="give two"):
         explorers.KernelExplorer({"box": (V, F)})
+
+
+def test_the_experiment_tries_each_kernel_on_each_mesh():
+    table = experiments.kernel_transfer(("sphere", "box"), 0.2, 3, passes=1)
+    assert list(table["learned_from"]) == ["none", "none", "sphere", "sphere", "box", "box"]
+    assert list(table["tried_on"]) == ["sphere", "box"] * 3
+    V, F = shapes.box()
+    draws = [noise.along_normals(V, F, 0.2, np.random.default_rng(seed)) for seed in (3, 4)]
+    (kernel,) = kernel_table.cascade([(draws[0], V, F)], 1)
+    N = kernel_table.normals_by_tables(draws[1], F, [kernel])[-1]
+    expected = metrics.normal_angle(kernel_table.fit_vertices(draws[1], F, N), V, F)
+    assert table["normal_angle"].iloc[-1] == pytest.approx(expected)
+    assert table["normal_angle"].iloc[1] == pytest.approx(metrics.normal_angle(draws[1], V, F))

@@ -78,7 +78,7 @@ class KernelExplorer(Explorer):
             ),
             "width": slider(
                 widgets.FloatSlider,
-                "Gaussian's width",
+                "kernel width",
                 "Of the Gaussian kernel: the difference of two unit normals that still counts",
                 value=0.35,
                 ends=(0.1, 2.0),
@@ -95,7 +95,7 @@ class KernelExplorer(Explorer):
         )
         self.plots = [
             CurvePlot(
-                title="How much a neighbour counts, one face away",
+                title="Weight of a face, one face away",
                 x_label="angle between the normals (degrees)",
                 y_label="weight (largest: 1)",
             ),
@@ -124,7 +124,10 @@ class KernelExplorer(Explorer):
             errors[name] = (np.arange(passes + 1), angles)
         self._show(settings["test"], {"noisy": V_noisy} | found)
         self._draw(settings["width"], tables[:passes])
-        self.plots[1].draw(errors, colors=COLORS, x_range=(0, passes))
+        most = max(max(angles) for _, angles in errors.values())
+        self.plots[1].draw(
+            errors, colors=COLORS, x_range=(0, passes), y_range=(0, 1.05 * most or 1)
+        )
 
     def _by_gaussian(self, V: Floats, F: Integers, width: float, passes: int) -> Iterator[Floats]:
         """The mesh after 0, 1, ... passes of the package's own filter."""
@@ -176,7 +179,8 @@ class KernelExplorer(Explorer):
         apart = 2 - 2 * np.cos(np.radians(FINE))  # |n_i - n_j|^2
         curves = {GAUSSIAN: (FINE, gaussian(apart, width))}
         near = int(np.argmin(np.abs(kernel_table.DISTANCES - 1)))
-        for name, table in {TABLE: tables[0], LAST: tables[-1]}.items():
+        by_name = {TABLE: tables[0]} | ({LAST: tables[-1]} if len(tables) > 1 else {})
+        for name, table in by_name.items():
             weight = table.reshape(len(kernel_table.ANGLES), -1)[:, near]
             curves[name] = (kernel_table.ANGLES, weight / (np.abs(weight).max() or 1.0))
         self.plots[0].draw(curves, colors=COLORS, x_range=(0, 180))
