@@ -286,8 +286,10 @@ def agreement(folder: Path, data: Tables) -> None:
         left.set(xlabel="stopping time", yticks=range(len(labels)), yticklabels=labels)
         left.invert_yaxis()
         right.set(xlabel="mean normal angle (degrees)")
+        for face, label in ((None, "where the SNR is best"), ("white", "where the angle is least")):
+            right.plot([], [], "o", color="0.4", ms=5, mfc=face, label=label)
         handles, names = right.get_legend_handles_labels()
-        left.figure.legend(handles, names, loc="outside upper center", ncols=3)
+        left.figure.legend(handles, names, loc="outside upper center", ncols=5, columnspacing=1.2)
 
 
 def reduction(folder: Path, data: Tables) -> None:
