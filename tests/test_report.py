@@ -21,7 +21,7 @@ SECTIONS = [
 TEXT = "\n".join(path.read_text(encoding="utf-8") for path in SECTIONS)
 
 # Numbers that are part of a name or of a definition, not measured.
-NAMES = re.compile(r"F-16|Open3D|L0\b")
+NAMES = re.compile(r"F-16|Open3D|potpourri3d|L0\b")
 # In formulas: exponents, halves, the 20 log10 of decibels, the bounds 2/3 and 3 with their proof.
 FORMULA_NUMBERS = {"-1", "0", "1", "2", "3", "10", "20"}
 
