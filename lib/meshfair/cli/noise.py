@@ -19,6 +19,7 @@ MODELS: dict[str, dict[str, float | None]] = {
     "normals": {"sigma": 0.2},
     "gaussian": {"sigma": 0.2},
     "uniform": {"amplitude": None},
+    "correlated": {"sigma": 0.2, "steps": 3},
     "impulsive": {"sigma": 0.2, "fraction": 0.1},
 }
 # In decibels: beyond, noise is lost in the rounding of float64, and so is the mesh.

@@ -1,0 +1,95 @@
+"""The grid that choices are judged by: shapes, kinds and sizes of noise, every method."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import product
+
+import numpy as np
+
+from meshfair import datasets, noise
+from meshfair.checks import Floats, Integers, check_choice
+from meshfair.experiments.meshes import PAIRS, load_mesh
+from meshfair.experiments.quality import noisy_pair
+from meshfair.mesh import mean_edge_length
+
+SHAPES = (
+    "box", "pulley", "plate", "torus", "golf ball", "landscape", "boulder", "knot", "jet",
+)  # fmt: skip
+"""Names for `meshfair.experiments.load_mesh`: three sharp shapes, six with curved parts."""
+
+SIZES = (0.1, 0.2, 0.4, 0.6)
+"""Standard deviations of the noise, in mean edge lengths."""
+
+PUBLISHED = "published"
+"""The kind of noise of a public pair: that of its noisy file."""
+
+
+def _uniform(V: Floats, F: Integers, sigma: float, rng: np.random.Generator) -> Floats:
+    """Uniform noise in each coordinate, of this standard deviation and of mean zero."""
+    amplitude = np.sqrt(12) * sigma * mean_edge_length(V, F)
+    return noise.uniform(V, amplitude, rng) - amplitude / 2
+
+
+def _impulsive(V: Floats, F: Integers, sigma: float, rng: np.random.Generator) -> Floats:
+    """Noise on half of the vertices."""
+    return noise.impulsive(V, F, sigma, 0.5, rng)
+
+
+KINDS: dict[str, Callable[[Floats, Integers, float, np.random.Generator], Floats]] = {
+    "normals": noise.along_normals,
+    "gaussian": noise.gaussian,
+    "uniform": _uniform,
+    "impulsive": _impulsive,
+    "correlated": noise.correlated,
+}
+"""Kinds of noise, as functions of V, F, the size and the generator; all have mean zero."""
+
+
+def conditions() -> list[tuple[str, str, float]]:
+    """All noisy meshes of the grid; the public pairs are last, where they are downloaded.
+
+    Returns
+    -------
+    list of (mesh, kind, size)
+        For `noisy_mesh`.
+    """
+    found = list(product(SHAPES, KINDS, SIZES))
+    for mesh, pair in PAIRS.items():
+        if datasets.find(pair.ground_truth) and datasets.find(pair.noisy):
+            found.append((mesh, PUBLISHED, pair.size))
+    return found
+
+
+def noisy_mesh(mesh: str, kind: str, size: float, seed: int) -> tuple[Floats, Floats, Integers]:
+    """A noisy mesh of the grid, and its ground truth.
+
+    Parameters
+    ----------
+    mesh : str
+        A name for `meshfair.experiments.load_mesh`, or one of
+        `meshfair.experiments.PAIRS`, whose kind is "published".
+    kind : str
+        One of `KINDS`, or "published".
+    size : float
+        Standard deviation of the noise, in mean edge lengths; unused for a pair.
+    seed : int
+        Of the noise, together with its kind and size; unused for a pair.
+
+    Returns
+    -------
+    V_noisy, V_true : ndarray of float64, shape (n, 3)
+    F : ndarray of int64, shape (m, 3)
+
+    Raises
+    ------
+    NotDownloadedError, ValueError
+        A mesh that ``make data`` has not fetched; no such mesh or kind.
+    """
+    if mesh in PAIRS:
+        check_choice(kind, f"kind (of {mesh})", (PUBLISHED,))
+        return noisy_pair(mesh, size, seed)
+    check_choice(kind, "kind", KINDS)
+    V, F = load_mesh(mesh)
+    rng = np.random.default_rng([seed, list(KINDS).index(kind), round(1000 * size)])
+    return KINDS[kind](V, F, size, rng), V, F
