@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import product
+from os import PathLike
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from meshfair import datasets, noise
+from meshfair import datasets, denoising, noise
 from meshfair.checks import Floats, Integers, check_choice
 from meshfair.experiments.meshes import PAIRS, load_mesh
-from meshfair.experiments.quality import noisy_pair
+from meshfair.experiments.quality import PARAMETERS, account, noisy_pair
+from meshfair.experiments.sweep import sweep
 from meshfair.mesh import mean_edge_length
+from meshfair.metrics import normal_angle, snr, vertex_distance
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 SHAPES = (
-    "box", "pulley", "plate", "torus", "golf ball", "landscape", "boulder", "knot", "jet",
+    "box", "pulley", "plate", "torus", "golf ball", "landscape", "boulder", "knot", "coarse jet",
 )  # fmt: skip
 """Names for `meshfair.experiments.load_mesh`: three sharp shapes, six with curved parts."""
 
@@ -93,3 +100,80 @@ def noisy_mesh(mesh: str, kind: str, size: float, seed: int) -> tuple[Floats, Fl
     V, F = load_mesh(mesh)
     rng = np.random.default_rng([seed, list(KINDS).index(kind), round(1000 * size)])
     return KINDS[kind](V, F, size, rng), V, F
+
+
+def choice(
+    mesh: str, kind: str, size: float, seed: int, method: str, parameters: str
+) -> dict[str, Any]:
+    """One method on one noisy mesh of the grid; "none" leaves the mesh noisy.
+
+    Parameters
+    ----------
+    mesh, kind, size, seed
+        As in `noisy_mesh`.
+    method : str
+        "none", "auto", or one of `meshfair.denoising.methods`.
+    parameters : {"default", "auto", "tuned"}
+        Tuned ones come closest to the ground truth of this very mesh: what the method
+        can do at best.
+
+    Returns
+    -------
+    dict
+        normal_angle (degrees), snr (decibels), vertex_distance (mean edge lengths), chosen, the
+        method that made the result, used, its parameters as JSON, and seconds.
+    """
+    V_noisy, V, F = noisy_mesh(mesh, kind, size, seed)
+    X, facts = V_noisy, {"chosen": method, "used": "{}", "seconds": 0.0}
+    if method != "none":
+        if parameters == "tuned":
+            result = denoising.tune(V_noisy, F, method, V)
+        else:
+            result = denoising.denoise(V_noisy, F, method, parameters=parameters)
+        X, facts = result.V, {"chosen": result.method} | account(result)
+    return {
+        "normal_angle": normal_angle(X, V, F),
+        "snr": snr(V, X),
+        "vertex_distance": vertex_distance(X, V, F),
+    } | facts
+
+
+def choices(
+    cells: Sequence[tuple[str, str, float]] | None = None,
+    seed: int = 0,
+    *,
+    methods: Sequence[str] | None = None,
+    path: str | PathLike[str] | None = None,
+    progress: bool = False,
+) -> pd.DataFrame:
+    """Every method with each way to choose parameters, and the front's own choice, on the grid.
+
+    Parameters
+    ----------
+    cells : sequence of (mesh, kind, size), optional
+        All of `conditions`, if not given.
+    seed : int
+        Of the noise.
+    methods : sequence of str, optional
+        All, if not given.
+    path, progress
+        As in `meshfair.experiments.sweep`.
+
+    Returns
+    -------
+    pandas.DataFrame
+        mesh, kind, size, seed, method, parameters, and what `choice` returns. Method "none" is
+        the noisy mesh, and "auto" the front's own choice, both with parameters "default".
+
+    Raises
+    ------
+    RuntimeError
+        A method failed; the message says which and why.
+    """
+    methods = denoising.methods() if methods is None else list(methods)
+    grids: list[dict[str, Any]] = []
+    for mesh, kind, size in conditions() if cells is None else cells:
+        common = {"experiment": choice, "mesh": mesh, "kind": kind, "size": size, "seed": seed}
+        for which, ways in ((["none", "auto"], ["default"]), (methods, PARAMETERS)):
+            grids.append(common | {"method": which, "parameters": ways})
+    return sweep(grids, path=path, progress=progress, failures="raise")

@@ -25,6 +25,7 @@ MESHES: dict[str, Callable[[], tuple[Floats, Integers]]] = {
     "box": shapes.box,
     "jet": shapes.jet,
     "jet without missiles": partial(shapes.jet, missiles=False),
+    "coarse jet": partial(shapes.jet, detail=0.5),
     "pulley": specimens.pulley,
     "plate": specimens.plate,
     "golf ball": specimens.golf_ball,
