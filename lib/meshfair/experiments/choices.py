@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from itertools import product
 from os import PathLike
 from typing import TYPE_CHECKING, Any
@@ -28,7 +29,7 @@ SHAPES = (
 SIZES = (0.1, 0.2, 0.4, 0.6)
 """Standard deviations of the noise, in mean edge lengths."""
 
-PUBLISHED = "published"
+PUBLISHED_NOISE = "published"
 """The kind of noise of a public pair: that of its noisy file."""
 
 
@@ -64,7 +65,7 @@ def conditions() -> list[tuple[str, str, float]]:
     found = list(product(SHAPES, KINDS, SIZES))
     for mesh, pair in PAIRS.items():
         if datasets.find(pair.ground_truth) and datasets.find(pair.noisy):
-            found.append((mesh, PUBLISHED, pair.size))
+            found.append((mesh, PUBLISHED_NOISE, pair.size))
     return found
 
 
@@ -94,7 +95,7 @@ def noisy_mesh(mesh: str, kind: str, size: float, seed: int) -> tuple[Floats, Fl
         A mesh that ``make data`` has not fetched; no such mesh or kind.
     """
     if mesh in PAIRS:
-        check_choice(kind, f"kind (of {mesh})", (PUBLISHED,))
+        check_choice(kind, f"kind (of {mesh})", (PUBLISHED_NOISE,))
         return noisy_pair(mesh, size, seed)
     check_choice(kind, "kind", KINDS)
     V, F = load_mesh(mesh)
@@ -105,12 +106,33 @@ def noisy_mesh(mesh: str, kind: str, size: float, seed: int) -> tuple[Floats, Fl
 def choice(
     mesh: str, kind: str, size: float, seed: int, method: str, parameters: str
 ) -> dict[str, Any]:
-    """One method on one noisy mesh of the grid; "none" leaves the mesh noisy.
+    """One method on one noisy mesh of the grid: an experiment for `meshfair.experiments.sweep`.
 
     Parameters
     ----------
     mesh, kind, size, seed
         As in `noisy_mesh`.
+    method, parameters
+        As in `outcome`.
+
+    Returns
+    -------
+    dict
+        As `outcome`.
+    """
+    return outcome(*noisy_mesh(mesh, kind, size, seed), method, parameters)
+
+
+def outcome(
+    V_noisy: Floats, V: Floats, F: Integers, method: str, parameters: str
+) -> dict[str, Any]:
+    """What a method makes of a noisy mesh; "none" leaves it as it is.
+
+    Parameters
+    ----------
+    V_noisy, V : ndarray of float64, shape (n, 3)
+        The noisy mesh and the ground truth.
+    F : ndarray of int64, shape (m, 3)
     method : str
         "none", "auto", or one of `meshfair.denoising.methods`.
     parameters : {"default", "auto", "tuned"}
@@ -123,7 +145,6 @@ def choice(
         normal_angle (degrees), snr (decibels), vertex_distance (mean edge lengths), chosen, the
         method that made the result, used, its parameters as JSON, and seconds.
     """
-    V_noisy, V, F = noisy_mesh(mesh, kind, size, seed)
     X, facts = V_noisy, {"chosen": method, "used": "{}", "seconds": 0.0}
     if method != "none":
         if parameters == "tuned":
@@ -138,11 +159,12 @@ def choice(
     } | facts
 
 
-def choices(
+def compare_choices(
     cells: Sequence[tuple[str, str, float]] | None = None,
     seed: int = 0,
     *,
     methods: Sequence[str] | None = None,
+    executor: Executor | None = None,
     path: str | PathLike[str] | None = None,
     progress: bool = False,
 ) -> pd.DataFrame:
@@ -156,7 +178,7 @@ def choices(
         Of the noise.
     methods : sequence of str, optional
         All, if not given.
-    path, progress
+    executor, path, progress
         As in `meshfair.experiments.sweep`.
 
     Returns
@@ -176,4 +198,4 @@ def choices(
         common = {"experiment": choice, "mesh": mesh, "kind": kind, "size": size, "seed": seed}
         for which, ways in ((["none", "auto"], ["default"]), (methods, PARAMETERS)):
             grids.append(common | {"method": which, "parameters": ways})
-    return sweep(grids, path=path, progress=progress, failures="raise")
+    return sweep(grids, executor, path=path, progress=progress, failures="raise")
