@@ -115,7 +115,7 @@ def _sizes(options: argparse.Namespace) -> dict[str, float]:
             raise ValueError(f"--{name} is for {right}, and not for {options.model}")
     if options.model == "uniform" and options.amplitude is None:
         raise ValueError("--model uniform needs --amplitude, in the units of the mesh")
-    sizes = {}
+    sizes: dict[str, float] = {}
     for name, default in takes.items():
         given = getattr(options, name)
         size = default if given is None else given

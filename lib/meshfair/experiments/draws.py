@@ -1,4 +1,4 @@
-"""Over several draws of the noise: the jet's missiles, and the knot under the front's own choice."""
+"""Over several draws of the noise: the jet's missiles, and the knot."""
 
 from __future__ import annotations
 

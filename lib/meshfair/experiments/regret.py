@@ -1,4 +1,4 @@
-"""How much worse than the best a choice is, on the grid of `meshfair.experiments.compare_choices`."""
+"""How much worse than the best a choice is, on the grid of `meshfair.experiments.choices`."""
 
 from __future__ import annotations
 
