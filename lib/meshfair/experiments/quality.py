@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from concurrent.futures import Executor
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from meshfair import denoising
 from meshfair.checks import Floats, Integers
+from meshfair.experiments.dispatch import Workers
 from meshfair.experiments.meshes import PAIRS, load_mesh, load_noisy_mesh
 from meshfair.experiments.missiles import JET, part_errors
 from meshfair.experiments.sweep import sweep
@@ -132,6 +134,7 @@ def quality(
     seed: int = 0,
     *,
     methods: Sequence[str] | None = None,
+    executor: Executor | Workers | None = None,
     path: str | PathLike[str] | None = None,
     progress: bool = False,
 ) -> pd.DataFrame:
@@ -147,7 +150,7 @@ def quality(
         Of the noise.
     methods : sequence of str, optional
         All, if not given.
-    path, progress
+    executor, path, progress
         As in `meshfair.experiments.sweep`.
 
     Returns
@@ -168,4 +171,4 @@ def quality(
         common = {"experiment": score, "mesh": mesh, "size": noise, "seed": seed}
         for which, ways in ((["none"], ["default"]), (methods, PARAMETERS)):
             grids.append(common | {"method": which, "parameters": ways})
-    return sweep(grids, path=path, progress=progress, failures="raise")
+    return sweep(grids, executor, path=path, progress=progress, failures="raise")
