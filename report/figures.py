@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 from PIL import Image
 
+from grid_results import regret_figure
 from meshfair import denoising, experiments, filters, flow, plotting
 from meshfair.checks import Booleans, Floats, Integers
 from meshfair.experiments import load_mesh, load_noisy_mesh, noisy_pair
@@ -391,5 +392,6 @@ FIGURES = {
     for draw in (
         cotangent_angles, knot_meshes, knot_curves, spectrum, jet_meshes, jet_curves,
         jet_without_missiles, f16, full_resolution, scaling, reduction, agreement, gallery, risk,
+        regret_figure,
     )
 }  # fmt: skip

@@ -2,6 +2,8 @@
 
 import pandas as pd
 
+import grid_results
+
 from meshfair import _fast, shapes
 from meshfair.checks import Floats
 from meshfair.denoising import estimate_noise
@@ -55,6 +57,7 @@ def numbers(data: Tables) -> dict[str, str | bool]:
         _origin_shift,
         _agreement,
         _quality,
+        grid_results.numbers,
     ):
         new = part(data)
         if taken := found.keys() & new.keys():
