@@ -3,7 +3,6 @@
 import pandas as pd
 
 import grid_results
-
 from meshfair import _fast, shapes
 from meshfair.checks import Floats
 from meshfair.denoising import estimate_noise

@@ -199,7 +199,7 @@ def test_a_grid_with_a_wrong_kind_is_refused(tmp_path):
     path = tmp_path / "grid.toml"
     axes = 'mesh = "knot"\nsize = 0.2\nseed = 1\nmethod = "taubin"\nparameters = "default"\n'
     path.write_text(f'experiment = "choices"\nkind = "normal"\n{axes}')
-    with pytest.raises(ValueError, match=r"kind is 'normal'; .*did you mean normals"):
+    with pytest.raises(ValueError, match=r"kind is 'normal'; .*did you mean 'normals'"):
         grids.read_grids(path)
 
 

@@ -11,7 +11,9 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 REPORT = ROOT / "report"
-TEXT = (REPORT / "report.typ").read_text(encoding="utf-8")
+TEXT = "\n".join(
+    (REPORT / f"{name}.typ").read_text(encoding="utf-8") for name in ("report", "choices")
+)
 
 # Numbers that are part of a name or of a definition, not measured.
 NAMES = re.compile(r"F-16|Open3D|L0\b")
