@@ -9,7 +9,7 @@ Writes to report/results:
     missile_draws.csv  the jet's missiles over ten draws of the noise
     knot_draws.csv     the knot over ten draws, at three sizes
     pairs.csv          only with --pairs: every default and the front's choice on pairs of meshes
-                       NAME-noisy.obj and NAME-clean.obj, such as other works publish
+                       SOURCE/NAME-noisy.obj and SOURCE/NAME-clean.obj, such as other works publish
 
 Finished cells are kept in data/grid: interrupt it at any time. `make data` before adds the public
 pairs to the grid.
@@ -68,16 +68,17 @@ def pairs(folder: Path) -> pd.DataFrame:
     Parameters
     ----------
     folder : Path
-        Of NAME-noisy and NAME-clean files of one format, with the same faces.
+        Of SOURCE/NAME-noisy and SOURCE/NAME-clean files of one format, with the same faces;
+        SOURCE is the work's key in report/references.bib.
 
     Returns
     -------
     pandas.DataFrame
-        pair, faces, size (of the noise, in mean edge lengths), method, and what
+        source, pair, faces, size (of the noise, in mean edge lengths), method, and what
         `meshfair.experiments.outcome` returns.
     """
     rows = []
-    for file in sorted(folder.glob("*-noisy.*")):
+    for file in sorted(folder.glob("*/*-noisy.*")):
         name = file.name.partition("-noisy.")[0]
         V_noisy, F = io.read(file)
         V, _ = io.read(file.with_name(file.name.replace("-noisy.", "-clean.")))
@@ -85,7 +86,8 @@ def pairs(folder: Path) -> pd.DataFrame:
         size = np.sqrt(np.mean(moved**2)) / mean_edge_length(V, F)
         for method in ["none", "auto", *denoising.methods()]:
             found = experiments.outcome(V_noisy, V, F, method, "default")
-            rows.append({"pair": name, "faces": len(F), "size": size, "method": method} | found)
+            pair = {"source": file.parent.name, "pair": name, "faces": len(F), "size": size}
+            rows.append(pair | {"method": method} | found)
         print(name, flush=True)
     return pd.DataFrame(rows).drop(columns="used")
 

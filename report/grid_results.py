@@ -151,7 +151,7 @@ def _spread(values: pd.Series) -> str:
 
 
 def _pairs(table: pd.DataFrame) -> dict[str, str]:
-    angle = table.pivot(index="pair", columns="method", values="normal_angle")
+    angle = table.pivot(index=["source", "pair"], columns="method", values="normal_angle")
     classical = angle.drop(columns=["none", "auto", "learned"]).min(axis=1)
     ratio = angle["learned"] / classical
     own = angle["auto"] / angle.drop(columns=["none", "auto"]).min(axis=1)

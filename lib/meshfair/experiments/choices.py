@@ -123,6 +123,26 @@ def choice(
     return outcome(*noisy_mesh(mesh, kind, size, seed), method, parameters)
 
 
+def by_front(V: Floats, F: Integers, method: str, parameters: str) -> denoising.Denoised:
+    """Denoise as a user does who names a method, or with "auto" neither method nor parameters.
+
+    Parameters
+    ----------
+    V : ndarray of float64, shape (n, 3)
+    F : ndarray of int64, shape (m, 3)
+    method : str
+        "auto", or one of `meshfair.denoising.methods`.
+    parameters : {"default", "auto"}
+
+    Returns
+    -------
+    meshfair.denoising.Denoised
+    """
+    if method == "auto":
+        return denoising.denoise(V, F)
+    return denoising.denoise(V, F, method, parameters=parameters)
+
+
 def outcome(
     V_noisy: Floats, V: Floats, F: Integers, method: str, parameters: str
 ) -> dict[str, Any]:
@@ -134,7 +154,7 @@ def outcome(
         The noisy mesh and the ground truth.
     F : ndarray of int64, shape (m, 3)
     method : str
-        "none", "auto", or one of `meshfair.denoising.methods`.
+        "none", or as in `by_front`.
     parameters : {"default", "auto", "tuned"}
         Tuned ones come closest to the ground truth of this very mesh: what the method
         can do at best.
@@ -150,7 +170,7 @@ def outcome(
         if parameters == "tuned":
             result = denoising.tune(V_noisy, F, method, V)
         else:
-            result = denoising.denoise(V_noisy, F, method, parameters=parameters)
+            result = by_front(V_noisy, F, method, parameters)
         X, facts = result.V, {"chosen": result.method} | account(result)
     return {
         "normal_angle": normal_angle(X, V, F),

@@ -8,7 +8,7 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from meshfair import denoising
-from meshfair.experiments.choices import choice
+from meshfair.experiments.choices import by_front, choice
 from meshfair.experiments.missiles import JET, averaging_for_missiles, part_errors
 from meshfair.experiments.quality import noisy_pair
 from meshfair.experiments.sweep import sweep
@@ -46,7 +46,7 @@ def missiles_of(mesh: str, size: float, seed: int, method: str, parameters: str)
     X, V, F = noisy_pair(mesh, size, seed)
     chosen = method
     if method != "none":
-        result = denoising.denoise(X, F, method, parameters=parameters)
+        result = by_front(X, F, method, parameters)
         X, chosen = result.V, result.method
     return part_errors(X, V, F) | {"chosen": chosen}
 
