@@ -173,6 +173,16 @@ def test_regret_by_hand():
     assert list(found.groupby("kind", sort=False)["noisy"].first()) == [20, 10]
 
 
+def test_regret_does_not_depend_on_the_order_of_rows_and_their_labels():
+    table = made_up()
+    other = pd.concat([table.iloc[7:], table.iloc[:7]]).set_axis([0] * len(table))
+    found = [
+        experiments.regrets(rows).set_index(["kind", "contender"])["regret"].sort_index()
+        for rows in (table, other)
+    ]
+    pd.testing.assert_series_equal(*found)
+
+
 def test_the_summary_by_hand():
     regrets = experiments.regrets(made_up())
     whole = experiments.summary(regrets).set_index("contender")

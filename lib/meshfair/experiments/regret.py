@@ -29,6 +29,7 @@ def regrets(table: pd.DataFrame, error: str = "normal_angle") -> pd.DataFrame:
         among rows with tuned parameters), best_default (among methods' defaults), noisy (that
         of the noisy mesh) and regret (error / best).
     """
+    table = table.reset_index(drop=True)
     front, noisy = table["method"] == "auto", table["method"] == "none"
     plain = (table["parameters"] == "default") & ~front & ~noisy
     groups = {
@@ -38,7 +39,7 @@ def regrets(table: pd.DataFrame, error: str = "normal_angle") -> pd.DataFrame:
     }
     rows = table[table["parameters"] != "tuned"].copy()
     names = rows["method"].where(rows["parameters"] == "default", rows["method"] + ", auto")
-    names = names.mask(front.loc[rows.index], "own choice").mask(noisy, "noisy mesh")
+    names = names.mask(front[rows.index], "own choice").mask(noisy[rows.index], "noisy mesh")
     rows.insert(0, "contender", names)
     for name, which in groups.items():
         least = table[which].groupby(CELL)[error].min().rename(name)
