@@ -28,17 +28,17 @@ def regret(**_: object) -> pd.DataFrame:
     found = regrets(pd.read_csv(RESULTS / "choices.csv"))
     found = found[found["contender"] != "noisy mesh"]
     whole = summary(found).set_index("contender")[["median", "worst"]]
-    for column in ("kind", "size"):
+    for column, values in (("kind", KINDS), ("size", SIZES)):
         part = summary(found, [column])
-        part = part[part[column].isin([*KINDS, *SIZES])]
-        whole = whole.join(part.pivot(index="contender", columns=column, values="median"))
+        part = part.pivot(index="contender", columns=column, values="median")
+        whole = whole.join(part[list(values)])
     return whole.rename(columns=str).reset_index()
 
 
 def regret_figure(folder: Path, data: Tables) -> None:
     """Regret over the cells, from the least on, and the own choice's by kind and size."""
     found = regrets(data["choices"])
-    with plotting.figure(folder / "regret.svg", (6.3, 2.9), columns=2, sharey=True) as panels:
+    with plotting.figure(folder / "regret.svg", (6.3, 3.2), columns=2, sharey=True) as panels:
         left, right = panels
         for name, colour in zip(SHOWN, OTHER_COLORS, strict=False):
             values = np.sort(found.loc[found["contender"] == name, "regret"])
@@ -46,7 +46,7 @@ def regret_figure(folder: Path, data: Tables) -> None:
             left.semilogy(share, values, color=colour, label=name, lw=2.2 if name == OWN else 1.3)
         left.axhline(1, color="0.3", lw=0.8, ls="--")
         left.set(xlabel="cells, in per cent", ylabel="regret")
-        left.legend()
+        left.legend(ncols=2, loc="lower center", bbox_to_anchor=(0.5, 1))
         own = found[found["contender"] == OWN]
         for k, (size, colour) in enumerate(zip(SIZES, OTHER_COLORS, strict=False)):
             rows = own[own["size"] == size].groupby("kind")["regret"]
@@ -57,7 +57,7 @@ def regret_figure(folder: Path, data: Tables) -> None:
         right.axhline(1, color="0.3", lw=0.8, ls="--")
         right.set(xticks=range(len(KINDS)))
         right.set_xticklabels(list(KINDS), rotation=25, ha="right", rotation_mode="anchor")
-        right.legend(title="noise size", ncols=2)
+        right.legend(title="noise size", ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1))
 
 
 def numbers(data: Tables) -> dict[str, str]:

@@ -1,13 +1,16 @@
 """The grid that choices are judged by, and what is computed from it."""
 
+import importlib.util
 import json
+import statistics
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from meshfair import denoising, experiments, mesh, metrics, noise
+from meshfair import denoising, experiments, io, mesh, metrics, noise
 from meshfair.experiments import choices, draws, grids, specimens
 from meshfair.experiments.meshes import MESHES, load_mesh
 
@@ -244,3 +247,63 @@ def test_the_knot_over_draws(monkeypatch):
     assert table["snr"][3] == metrics.snr(V, noisy)
     assert "coarse jet" in MESHES
     assert noise.correlated is choices.KINDS["correlated"]
+
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def loaded(path):
+    """A module of a script's folder."""
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_the_script_scores_pairs_of_a_folder(tmp_path, monkeypatch):
+    monkeypatch.setattr(denoising, "methods", lambda: ["taubin"])
+    V, F = load_mesh("plate")
+    noisy = noise.along_normals(V, F, 0.2, np.random.default_rng(1))
+    (tmp_path / "Some22").mkdir()
+    for name, X in (("clean", V), ("noisy", noisy)):
+        io.write(tmp_path / "Some22" / f"thing-{name}.ply", X, F)
+    table = loaded(ROOT / "data_scripts/grid.py").pairs(tmp_path)
+    assert list(table["method"]) == ["none", "auto", "taubin"]
+    assert set(zip(table["source"], table["pair"], table["faces"], strict=True)) == {
+        ("Some22", "thing", len(F))
+    }
+    size = np.sqrt(np.mean(np.sum((noisy - V) ** 2, axis=1))) / mesh.mean_edge_length(V, F)
+    assert table["size"][0] == pytest.approx(size)
+    expected = denoising.denoise(noisy, F, "taubin").V
+    assert table["normal_angle"][2] == metrics.normal_angle(expected, V, F)
+
+
+def test_the_numbers_of_the_report_by_going_through_the_rows():
+    found = loaded(ROOT / "report/grid_results.py")
+    table = pd.read_csv(ROOT / "report/results/choices.csv")
+    angles = {}
+    for row in table.itertuples():
+        way = row.method if row.method in ("none", "auto") else row.parameters
+        cell = angles.setdefault((row.mesh, row.kind, row.size), {})
+        cell.setdefault(way, {})[row.method, row.parameters] = row.normal_angle
+    own = ("auto", "default")
+    regret = [cell["auto"][own] / min(cell["tuned"].values()) for cell in angles.values()]
+    ratio = [cell["auto"][own] / min(cell["default"].values()) for cell in angles.values()]
+    harm = [cell["auto"][own] / cell["none"]["none", "default"] for cell in angles.values()]
+    numbers = found._grid(table)
+    assert numbers["grid-cells"] == str(len(angles))
+    assert numbers["own-median"] == f"{statistics.median(regret):.2f}"
+    assert numbers["own-worst"] == f"{max(regret):.1f}"
+    assert numbers["own-default-median"] == f"{statistics.median(ratio):.3f}"
+    assert numbers["own-default-worst"] == f"{max(ratio):.1f}"
+    assert numbers["own-harm"] == str(sum(x > 1.01 for x in harm))
+    rows = found.regret().set_index("contender")
+    assert list(rows) == ["median", "worst", *choices.KINDS, *map(str, choices.SIZES)]
+    assert rows.loc["own choice", "median"] == pytest.approx(statistics.median(regret))
+    drawn = pd.read_csv(ROOT / "report/results/missile_draws.csv")
+    assert found._draws(
+        {
+            "missile_draws": drawn,
+            "knot_draws": pd.read_csv(ROOT / "report/results/knot_draws.csv"),
+        }
+    )["missile-draws"] == str(drawn["seed"].nunique())
