@@ -11,7 +11,7 @@ SETUP := pyproject.toml constraints.txt
 FUZZ_SECONDS ?= 600
 
 .DEFAULT_GOAL := help
-.PHONY: help report check test lab data shapes train bench mutate fuzz assignments lint types format clean system
+.PHONY: help report check test lab data shapes train grid bench mutate fuzz assignments lint types format clean system
 
 help: ## list these targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1|/' | \
@@ -41,6 +41,9 @@ shapes: $(VENV)/fast.done ## write the built-in shapes to data/
 
 train: $(VENV)/train.done ## train the learned filter anew (two hours), or go on where that was interrupted
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python data_scripts/train
+
+grid: $(VENV)/report.done $(VENV)/fast.done ## compare the choices of methods and parameters on the grid (an hour), or go on where that was interrupted
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python data_scripts/grid.py
 
 bench: LISTS := apt.txt apt-bench.txt
 bench: $(VENV)/bench.done system ## measure times and memory beside other libraries (a quarter of an hour)

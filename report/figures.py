@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from grid_results import regret_figure
 from meshfair import filters, plotting
 from meshfair.experiments import noisy_pair
 from meshfair.plotting import OTHER_COLORS, WEIGHT_COLORS, WEIGHT_MARKS
@@ -226,6 +227,6 @@ FIGURES = PICTURES | {
     draw.__name__: draw
     for draw in (
         cotangent_angles, knot_curves, spectrum, jet_curves, f16_curves, full_resolution, scaling,
-        agreement, risk, learned,
+        agreement, risk, learned, regret_figure,
     )
 }  # fmt: skip

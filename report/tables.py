@@ -16,6 +16,7 @@ from typing import Any
 
 import pandas as pd
 
+from grid_results import regret
 from meshfair import StabilityWarning, _fast, datasets, experiments
 from meshfair.experiments.original import F16_DECIBELS, KNOT_DECIBELS
 
@@ -143,6 +144,6 @@ TABLES = {
     for make in (
         table_1, distance_readings, knot, eigenvalues, jet, jet_parts, jet_without_missiles,
         f16, bunny, large_sphere, reduction, origin_shift, agreement, quality,
-        missiles, kernel_transfer,
+        missiles, kernel_transfer, regret,
     )
 }  # fmt: skip

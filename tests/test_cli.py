@@ -162,6 +162,10 @@ def test_noise_is_that_of_the_package(run, knot, tmp_path):
         "normals": (sigma, lambda rng: noise.along_normals(V, F, 0.3, rng)),
         "gaussian": (sigma, lambda rng: noise.gaussian(V, F, 0.3, rng)),
         "uniform": (["--amplitude", 8], lambda rng: noise.uniform(V, 8, rng)),
+        "correlated": (
+            [*sigma, "--steps", 2],
+            lambda rng: noise.correlated(V, F, 0.3, rng, steps=2),
+        ),
         "impulsive": (
             [*sigma, "--fraction", 0.5],
             lambda rng: noise.impulsive(V, F, 0.3, 0.5, rng),
@@ -200,6 +204,7 @@ def test_no_noise_has_an_infinite_snr_in_json_too(run, knot, tmp_path):
         (["--sigma", "nan"], "sigma"),
         (["--seed", "-3"], "--seed is -3"),
         (["--model", "impulsive", "--fraction", "2"], "fraction"),
+        (["--model", "correlated", "--steps", "-1"], "--steps is -1"),
     ],
 )
 def test_wrong_noise_is_refused_and_nothing_is_written(run, knot, tmp_path, words, message):
@@ -792,7 +797,11 @@ def test_wrong_parameters_are_told_before_a_mesh_is_read(run, tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ("--sigma 1 --model uniform --amplitude 1", "--sigma is for normals, gaussian, impulsive"),
+        (
+            "--sigma 1 --model uniform --amplitude 1",
+            "--sigma is for normals, gaussian, correlated, impulsive, and not for uniform",
+        ),
+        ("--steps 2", "--steps is for correlated, and not for normals"),
         ("--fraction 0.5", "--fraction is for impulsive, and not for normals"),
         ("--sigma -1e-3", "--sigma is -0.001; give a number of at least 0"),
         ("--sigma 0 --snr 20", "the noise is zero everywhere; no scale gives it an SNR"),

@@ -80,6 +80,7 @@ def test_the_noise_explorer_shows_the_snr():
     [
         ("gaussian", lambda rng: noise.gaussian(V, F, 0.3, rng)),
         ("uniform", lambda rng: noise.uniform(V, 0.3 * mean_edge_length(V, F), rng)),
+        ("correlated", lambda rng: noise.correlated(V, F, 0.3, rng)),
         ("impulsive", lambda rng: noise.impulsive(V, F, 0.3, 0.1, rng)),
     ],
 )

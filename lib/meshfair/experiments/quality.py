@@ -81,6 +81,22 @@ def denoised(
     return denoising.denoise(V_noisy, F, method, parameters=parameters), V, F
 
 
+def account(result: denoising.Denoised) -> dict[str, Any]:
+    """How a result came about, as columns of a table.
+
+    Parameters
+    ----------
+    result : meshfair.denoising.Denoised
+
+    Returns
+    -------
+    dict
+        used, the parameters as JSON, and seconds.
+    """
+    used = {name: value for name, value in result.parameters.items() if name != "fixed"}
+    return {"used": json.dumps(used), "seconds": result.seconds}
+
+
 def score(
     mesh: str, method: str, parameters: str, size: float, seed: int, keep_mesh: bool = False
 ) -> dict[str, Any]:
@@ -105,9 +121,7 @@ def score(
         facts: dict[str, Any] = {"used": "{}", "seconds": 0.0}
     else:
         result, V, F = denoised(mesh, method, parameters, size, seed)
-        X = result.V
-        used = {name: value for name, value in result.parameters.items() if name != "fixed"}
-        facts = {"used": json.dumps(used), "seconds": result.seconds}
+        X, facts = result.V, account(result)
     missiles = {"missile_error": part_errors(X, V, F)["missiles"]} if mesh == JET else {}
     metrics = {name: measure.value for name, measure in compare(X, F, V, F).items()}
     kept = {"denoised": (X, F)} if keep_mesh else {}
