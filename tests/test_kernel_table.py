@@ -106,7 +106,7 @@ def test_faces_without_area_have_no_say_and_get_a_direction():
 
 def angle(name, learned_from, passes=5):
     """Mean normal angle on a shape, with tables learned from others under other noise."""
-    meshes = {"box": shapes.box(segments=8), "torus": shapes.torus(40, 16)}
+    meshes = {"box": shapes.box(segments=8), "torus": shapes.torus(sections=40, sides=16)}
     draw = noise.along_normals
     examples = [
         (draw(*meshes[one], 0.3, np.random.default_rng(1)), *meshes[one]) for one in learned_from
@@ -143,7 +143,7 @@ def test_faulty_examples_are_refused(examples, passes, error, message):
 
 # --- The explorer -------------------------------------------------------------------------
 
-MESHES = {"box": (V, F), "torus": shapes.torus(12, 8), "ball": shapes.icosphere(1)}
+MESHES = {"box": (V, F), "torus": shapes.torus(sections=12, sides=8), "ball": shapes.icosphere(1)}
 
 
 @pytest.fixture
