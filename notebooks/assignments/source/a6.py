@@ -476,8 +476,8 @@ def check_fit(student, G, N_true, ridge):
         ("The sign of the ridge is wrong.", lambda: solved(A - ridge * one, b)),
         ("`reshape` alone mixes entries and coordinates: bring the coordinates before the entries "
          "first, G.transpose(0, 2, 1).", mixed),
-        ("The equations and their right-hand sides stand in different orders: in both, face by face, "
-         "or in both, coordinate by coordinate.", lambda: solved(A + ridge * one, other)),
+        ("The equations and their right-hand sides stand in different orders: go face by face in "
+         "both, or coordinate by coordinate.", lambda: solved(A + ridge * one, other)),
         ("You cut off negative entries: least squares may want them.", np.maximum(right, 0)),
         ("You make the entries add up to 1: the table of least squares is the answer as it is.",
          right / right.sum()),
