@@ -627,6 +627,7 @@ def cascade(V, F, seed, tables=None, passes=5):
     return kernel_table.fit_vertices(V_noisy, F, N) if tables else learned
 
 
+# %% result
 box, torus = shapes.box(segments=8), shapes.torus(sections=30, sides=16)
 show(
     {
