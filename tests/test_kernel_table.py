@@ -104,6 +104,31 @@ def test_faces_without_area_have_no_say_and_get_a_direction():
     np.testing.assert_allclose(np.linalg.norm(N, axis=1), 1)
 
 
+@pytest.mark.parametrize(
+    "corners",
+    [[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 0, 0], [1, 0, 0], [2, 0, 0]]],
+    ids=["a single triangle", "without area"],
+)
+def test_a_mesh_without_neighbours_is_left_alone(corners):
+    face = [[0, 1, 2]]
+    pairs = kernel_table.face_pairs(corners, face)
+    assert list(pairs.i) == list(pairs.j) == [0]
+    assert list(pairs.distance) == [0]
+    assert pairs.share[0] == (1 if corners[2][1] else 0)
+    (table,) = kernel_table.cascade([(corners, corners, face)], 1)
+    N = kernel_table.normals_by_tables(corners, face, [table])[-1]
+    np.testing.assert_allclose(N, face_normals(corners, face), atol=1e-12)
+    np.testing.assert_allclose(kernel_table.fit_vertices(corners, face, N), corners, atol=1e-12)
+
+
+def test_faulty_vertices_and_counts_are_refused():
+    N = face_normals(V, F)
+    with pytest.raises(MeshError, match="V"):
+        kernel_table.fit_vertices(V[:, :2], F, N)
+    with pytest.raises(ValueError, match="iterations"):
+        kernel_table.fit_vertices(V, F, N, -1)
+
+
 def angle(name, learned_from, passes=5):
     """Mean normal angle on a shape, with tables learned from others under other noise."""
     meshes = {"box": shapes.box(segments=8), "torus": shapes.torus(sections=40, sides=16)}
