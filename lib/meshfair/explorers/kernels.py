@@ -18,6 +18,7 @@ from meshfair.explorers.worker import Job
 from meshfair.filters import kernel_table
 from meshfair.filters.normal_filtering import gaussian
 from meshfair.metrics import normal_angle
+from meshfair.plotting import OTHER_COLORS
 from meshfair.viewer import View, coloring
 
 ANGLES = (0.0, 30.0)  # ends of the colour bar, the same for all panels
@@ -25,7 +26,7 @@ OTHERS = "all others"
 FINE = np.linspace(0, 180, 91)  # degrees at which the Gaussian is drawn
 GAUSSIAN, TABLE, LAST = "Gaussian", "table", "table, last pass"
 VERTEX_ITERATIONS = 20
-COLORS = {GAUSSIAN: "#E69F00", TABLE: "#0072B2", LAST: "#56B4E9"}
+COLORS = dict(zip((TABLE, GAUSSIAN, LAST), OTHER_COLORS, strict=False))
 # The noise that is learned from is another draw than the one that is denoised.
 LEARNED, TRIED = 1, 2
 
