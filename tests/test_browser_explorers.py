@@ -41,7 +41,7 @@ EXPLORERS = {
 SCREENS = ((1440, 900), (1024, 768))
 # Milliseconds without a new frame after which an explorer has come to rest: where work takes
 # long, the bar that tells of it appears only after 300.
-QUIET = dict.fromkeys(EXPLORERS, 150) | {"filters": 500, "kernels": 500}
+QUIET = dict.fromkeys(EXPLORERS, 150) | {"filters": 500, "kernels": 1500}
 
 # The places of an explorer's parts, and of the part of the notebook that is in sight.
 PLACES = """explorer => {

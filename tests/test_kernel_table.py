@@ -1,11 +1,11 @@
-"""The kernel as a table: its formula by loops, what it learns, and the explorer that shows it."""
+"""The kernel as a table: its formula by loops, and what it learns."""
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from meshfair import MeshError, experiments, explorers, filters, metrics, noise, shapes, viewer
+from meshfair import MeshError, experiments, metrics, noise, shapes
 from meshfair.filters import kernel_table
 from meshfair.filters.kernel_table import ANGLES, DISTANCES
 from meshfair.mesh import face_normals, face_shapes
@@ -104,9 +104,34 @@ def test_faces_without_area_have_no_say_and_get_a_direction():
     np.testing.assert_allclose(np.linalg.norm(N, axis=1), 1)
 
 
+@pytest.mark.parametrize(
+    "corners",
+    [[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 0, 0], [1, 0, 0], [2, 0, 0]]],
+    ids=["a single triangle", "without area"],
+)
+def test_a_mesh_without_neighbours_is_left_alone(corners):
+    face = [[0, 1, 2]]
+    pairs = kernel_table.face_pairs(corners, face)
+    assert list(pairs.i) == list(pairs.j) == [0]
+    assert list(pairs.distance) == [0]
+    assert pairs.share[0] == (1 if corners[2][1] else 0)
+    (table,) = kernel_table.cascade([(corners, corners, face)], 1)
+    N = kernel_table.normals_by_tables(corners, face, [table])[-1]
+    np.testing.assert_allclose(N, face_normals(corners, face), atol=1e-12)
+    np.testing.assert_allclose(kernel_table.fit_vertices(corners, face, N), corners, atol=1e-12)
+
+
+def test_faulty_vertices_and_counts_are_refused():
+    N = face_normals(V, F)
+    with pytest.raises(MeshError, match="V"):
+        kernel_table.fit_vertices(V[:, :2], F, N)
+    with pytest.raises(ValueError, match="iterations"):
+        kernel_table.fit_vertices(V, F, N, -1)
+
+
 def angle(name, learned_from, passes=5):
     """Mean normal angle on a shape, with tables learned from others under other noise."""
-    meshes = {"box": shapes.box(segments=8), "torus": shapes.torus(40, 16)}
+    meshes = {"box": shapes.box(segments=8), "torus": shapes.torus(sections=40, sides=16)}
     draw = noise.along_normals
     examples = [
         (draw(*meshes[one], 0.3, np.random.default_rng(1)), *meshes[one]) for one in learned_from
@@ -139,70 +164,6 @@ def test_each_pass_learns_from_what_is_left():
 def test_faulty_examples_are_refused(examples, passes, error, message):
     with pytest.raises(error, match=message):
         list(kernel_table.cascade(examples, passes))
-
-
-# --- The explorer -------------------------------------------------------------------------
-
-MESHES = {"box": (V, F), "torus": shapes.torus(12, 8), "ball": shapes.icosphere(1)}
-
-
-@pytest.fixture
-def explorer(monkeypatch):
-    monkeypatch.setattr(viewer.live, "has_egl", lambda: True)  # nobody looks
-    explorer = explorers.KernelExplorer(MESHES, size=0.3, passes=2)
-    explorer.wait()
-    return explorer
-
-
-def test_the_kernel_explorer_shows_what_the_tables_make(explorer):
-    V_test, F_test = MESHES["torus"]
-    X = noise.along_normals(V_test, F_test, 0.3, np.random.default_rng(2))
-    tables = list(kernel_table.cascade([(NOISY, V, F)], 2))
-    N = kernel_table.normals_by_tables(X, F_test, tables)[-1]
-    *_, (_, by_gaussian) = filters.bilateral_normal(
-        X, F_test, normal_iterations=2, vertex_iterations=20
-    )
-    expected = [X, by_gaussian, kernel_table.fit_vertices(X, F_test, N)]
-    for panel, mesh in zip(explorer.view.panels, expected, strict=True):
-        np.testing.assert_allclose(panel.V, mesh, atol=1e-12)
-    errors = {curve["name"]: curve["y"] for curve in explorer.plots[1].series}
-    assert explorer.view.titles[2] == f"table: {errors['table'][-1]:.1f}°"
-    assert [len(curve) for curve in errors.values()] == [3, 3]
-    assert errors["table"][0] == pytest.approx(metrics.normal_angle(X, V_test, F_test))
-    curves = {curve["name"]: np.array(curve["y"]) for curve in explorer.plots[0].series}
-    at_one = tables[0].reshape(len(ANGLES), -1)[:, 1]
-    np.testing.assert_allclose(curves["table"], at_one / np.abs(at_one).max())
-    # exp(-|n_i - n_j|^2 / 2 s^2) at a right angle, where the difference is the root of 2.
-    assert curves["Gaussian"][45] == pytest.approx(np.exp(-1 / 0.35**2))
-
-
-def test_all_others_are_all_but_the_one_that_is_tried(explorer):
-    explorer.controls["train"].value = "all others"
-    explorer.wait()
-    examples = [
-        (noise.along_normals(*MESHES[name], 0.3, np.random.default_rng(1)), *MESHES[name])
-        for name in ("box", "ball")
-    ]
-    (table,) = kernel_table.cascade(examples, 1)
-    np.testing.assert_allclose(explorer._tables[1][0], table)
-    explorer.controls["test"].value = "ball"
-    explorer.wait()
-    assert explorer._tables[0][0] == ["box", "torus"]
-    assert explorer.error is None
-
-
-def test_more_passes_need_no_new_tables(explorer, monkeypatch):
-    monkeypatch.setattr(kernel_table, "cascade", None)
-    explorer.controls["passes"].value = 5
-    explorer.controls["width"].value = 1.0
-    explorer.wait()
-    assert explorer.error is None
-    assert len(explorer.plots[1].series[0]["y"]) == 6
-
-
-def test_one_mesh_is_not_enough():
-    with pytest.raises(ValueError, match="give two"):
-        explorers.KernelExplorer({"box": (V, F)})
 
 
 def test_the_experiment_tries_each_kernel_on_each_mesh():

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Mapping
 
 import ipywidgets as widgets
 import numpy as np
@@ -19,6 +18,7 @@ from meshfair.explorers.worker import Job
 from meshfair.filters import kernel_table
 from meshfair.filters.normal_filtering import gaussian
 from meshfair.metrics import normal_angle
+from meshfair.plotting import OTHER_COLORS
 from meshfair.viewer import View, coloring
 
 ANGLES = (0.0, 30.0)  # ends of the colour bar, the same for all panels
@@ -26,9 +26,52 @@ OTHERS = "all others"
 FINE = np.linspace(0, 180, 91)  # degrees at which the Gaussian is drawn
 GAUSSIAN, TABLE, LAST = "Gaussian", "table", "table, last pass"
 VERTEX_ITERATIONS = 20
-COLORS = {GAUSSIAN: "#E69F00", TABLE: "#0072B2", LAST: "#56B4E9"}
+COLORS = dict(zip((TABLE, GAUSSIAN, LAST), OTHER_COLORS, strict=False))
 # The noise that is learned from is another draw than the one that is denoised.
 LEARNED, TRIED = 1, 2
+
+
+class Tried:
+    """A noisy mesh after any number of passes, each computed once.
+
+    Parameters
+    ----------
+    V_noisy : ndarray of float64, shape (n, 3)
+    F : ndarray of int64, shape (m, 3)
+    """
+
+    def __init__(self, V_noisy: Floats, F: Integers) -> None:
+        self.V_noisy, self._F = V_noisy, F
+        self._gaussian: dict[tuple[float, int], Floats] = {}
+        self._tables: list[Floats] = []
+
+    def use(self, tables: list[Floats]) -> None:
+        """Filter with other tables, if they are others."""
+        if self._tables is not tables:
+            self._tables = tables
+            self._normals = kernel_table.normals_by_tables(self.V_noisy, self._F, tables)
+            self._by_table: dict[int, Floats] = {}
+
+    def by_table(self, count: int) -> Floats:
+        """Positions after this many passes with the tables."""
+        if count not in self._by_table:
+            N = self._normals[count]
+            found = kernel_table.fit_vertices(self.V_noisy, self._F, N, VERTEX_ITERATIONS)
+            self._by_table[count] = found
+        return self._by_table[count]
+
+    def by_gaussian(self, width: float, count: int) -> Floats:
+        """Positions after this many passes of the package's own filter."""
+        if (width, count) not in self._gaussian:
+            *_, (_, found) = filters.bilateral_normal(
+                self.V_noisy,
+                self._F,
+                sigma_normal=width,
+                normal_iterations=count,
+                vertex_iterations=VERTEX_ITERATIONS,
+            )
+            self._gaussian[width, count] = found
+        return self._gaussian[width, count]
 
 
 class KernelExplorer(Explorer):
@@ -57,6 +100,7 @@ class KernelExplorer(Explorer):
         if len(self._meshes) < 2:
             raise ValueError("one mesh to learn from and another to try are needed; give two")
         self._tables: tuple[tuple[list[str], float], list[Floats]] | None = None
+        self._tried: tuple[tuple[str, float], Tried] | None = None
         self._shown: str | None = None
         first, second = list(self._meshes)[:2]
         self.controls = {
@@ -105,36 +149,39 @@ class KernelExplorer(Explorer):
 
     def _work(self, job: Job, settings: Settings) -> None:
         V, F = self._meshes[settings["test"]]
-        V_noisy, passes = self._noisy(settings["test"], settings["size"], TRIED), settings["passes"]
         tables = self._learn(job, settings)
-        by_pass = {
-            GAUSSIAN: self._by_gaussian(V_noisy, F, settings["width"], passes),
-            TABLE: (
-                kernel_table.fit_vertices(V_noisy, F, N, VERTEX_ITERATIONS)
-                for N in kernel_table.normals_by_tables(V_noisy, F, tables[:passes])
-            ),
+        tried = self._try(settings, tables)
+        width, passes = settings["width"], settings["passes"]
+        after = {
+            GAUSSIAN: lambda count: tried.by_gaussian(width, count),
+            TABLE: lambda count: tried.by_table(count),
         }
-        found, errors = {}, {}
-        for done, (name, states) in enumerate(by_pass.items()):
-            angles = []
-            for X in states:
-                found[name] = X
-                angles.append(normal_angle(X, V, F))
-                job.progress(0.6 + 0.2 * (done + len(angles) / (passes + 1)))
-            errors[name] = (np.arange(passes + 1), angles)
-        self._show(settings["test"], {"noisy": V_noisy} | found)
-        self._draw(settings["width"], tables[:passes])
-        most = max(max(angles) for _, angles in errors.values())
+        found = {name: state(passes) for name, state in after.items()}
+        job.progress(0.7)
+        self._show(settings["test"], {"noisy": tried.V_noisy} | found)
+        self._draw(width, tables[:passes])
+        errors: dict[str, list[float]] = {name: [] for name in after}
+        for count in range(passes + 1):  # what the charts need is less urgent than the meshes
+            for name, state in after.items():
+                errors[name].append(normal_angle(state(count), V, F))
+            job.progress(0.7 + 0.3 * (count + 1) / (passes + 1))
+        most = max(max(angles) for angles in errors.values())
         self.plots[1].draw(
-            errors, colors=COLORS, x_range=(0, passes), y_range=(0, 1.05 * most or 1)
+            {name: (np.arange(passes + 1), angles) for name, angles in errors.items()},
+            colors=COLORS,
+            x_range=(0, passes),
+            y_range=(0, 1.05 * most or 1),
         )
 
-    def _by_gaussian(self, V: Floats, F: Integers, width: float, passes: int) -> Iterator[Floats]:
-        """The mesh after 0, 1, ... passes of the package's own filter."""
-        options: dict[str, Any] = {"sigma_normal": width, "vertex_iterations": VERTEX_ITERATIONS}
-        for count in range(passes + 1):
-            *_, (_, X) = filters.bilateral_normal(V, F, normal_iterations=count, **options)
-            yield X
+    def _try(self, settings: Settings, tables: list[Floats]) -> Tried:
+        """The mesh that is denoised, with what is known of it from before."""
+        key = settings["test"], settings["size"]
+        if self._tried is None or self._tried[0] != key:
+            F = self._meshes[settings["test"]][1]
+            self._tried = key, Tried(self._noisy(*key, TRIED), F)
+        tried = self._tried[1]
+        tried.use(tables)
+        return tried
 
     def _noisy(self, name: str, size: float, seed: int) -> Floats:
         V, F = self._meshes[name]

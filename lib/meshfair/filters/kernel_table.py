@@ -179,7 +179,7 @@ def cascade(
     MeshError
         An example is no mesh.
     ValueError
-        There are no examples.
+        There are no examples, or a negative number of passes.
     """
     if not examples:
         raise ValueError("there are no examples to learn from; give at least one")
@@ -207,6 +207,11 @@ def normals_by_tables(V: ArrayLike, F: ArrayLike, tables: Iterable[Floats]) -> l
     Returns
     -------
     list of ndarray of float64, each of shape (m, 3)
+
+    Raises
+    ------
+    MeshError
+        ``V`` and ``F`` are no mesh.
     """
     pairs, states = face_pairs(V, F), [face_normals(V, F)]
     for table in tables:
@@ -228,6 +233,13 @@ def fit_vertices(V: ArrayLike, F: ArrayLike, N: Floats, iterations: int = 20) ->
     Returns
     -------
     ndarray of float64, shape (n, 3)
+
+    Raises
+    ------
+    MeshError
+        ``V`` and ``F`` are no mesh.
+    ValueError
+        A negative number of iterations.
     """
     V, F = check_mesh(V, F)
     B, free = incidence(F, len(V)), np.zeros(len(V), dtype=bool)

@@ -66,6 +66,10 @@ def check_hats(student, x, nodes):
         (PAST, right * inside[:, None]),
         ("Past the ends the straight lines go on, so that weights become negative: such a number "
          "counts as the last (or first) node.", two(1 - t, t)),
+        ("At a node itself your hats are all 0: there, one of them is 1.",
+         right * ~np.isin(x, nodes)[:, None]),
+        ("Only whole numbers came back: an array of integers cuts off what lies between.",
+         np.trunc(right)),
         ("The last node is missing: its column is 0.", right * (np.arange(size) < size - 1)),
     ]  # fmt: skip
     expect.close(student.hats(x, nodes), right, "H", mistakes=mistakes)
@@ -91,7 +95,10 @@ def example(V, F, seed, sigma=0.3):
 
 
 def noisy_meshes(seed):
-    for name, (V, F) in (("box", shapes.box(segments=3)), ("torus", shapes.torus(12, 8))):
+    for name, (V, F) in (
+        ("box", shapes.box(segments=3)),
+        ("torus", shapes.torus(sections=12, sides=8)),
+    ):
         N, _, pairs = example(V, F, seed)
         yield f"a noisy {name}", N, *pairs, DIFFERENCES, DISTANCES
 
@@ -192,11 +199,11 @@ def contributions_of(V, F, seed):
 
 def to_fit(seed):
     yield "a noisy box", *contributions_of(*shapes.box(segments=3), seed), RIDGE
-    yield "a noisy torus", *contributions_of(*shapes.torus(12, 8), seed), 2 * RIDGE
+    yield "a noisy torus", *contributions_of(*shapes.torus(sections=12, sides=8), seed), 2 * RIDGE
 
 
 def never_asked_for(seed):
-    G, N_true = contributions_of(*shapes.torus(12, 8), seed)
+    G, N_true = contributions_of(*shapes.torus(sections=12, sides=8), seed)
     G[:, [2, 5]] = 0
     yield "a table with entries that no pair asks for", G, N_true, RIDGE
 
@@ -218,6 +225,7 @@ def check_fit(student, G, N_true, ridge):
     right, size = best_table(G, N_true, ridge), G.shape[1]
     X, y = equations(G), N_true.T.ravel()
     A, b, one = X.T @ X, X.T @ y, np.eye(size)
+    other = G.transpose(0, 2, 1).reshape(-1, size).T @ y  # the rows by face, the answers by axis
 
     def solved(A, b):
         try:
@@ -248,6 +256,11 @@ def check_fit(student, G, N_true, ridge):
         ("The sign of the ridge is wrong.", lambda: solved(A - ridge * one, b)),
         ("`reshape` alone mixes entries and coordinates: bring the coordinates before the entries "
          "first, G.transpose(0, 2, 1).", mixed),
+        ("The equations and their right-hand sides stand in different orders: go face by face in "
+         "both, or coordinate by coordinate.", lambda: solved(A + ridge * one, other)),
+        ("You cut off negative entries: least squares may want them.", np.maximum(right, 0)),
+        ("You make the entries add up to 1: the table of least squares is the answer as it is.",
+         right / right.sum()),
         ("You use one coordinate of three: all of them share the same table.",
          lambda: best_table(G * [1, 0, 0], N_true * [1, 0, 0], ridge)),
         ("You use one coordinate of three: all of them share the same table.",
@@ -286,7 +299,7 @@ def to_filter(seed):
 
 
 def nothing_left(seed):
-    G, N_true = contributions_of(*shapes.torus(12, 8), seed)
+    G, N_true = contributions_of(*shapes.torus(sections=12, sides=8), seed)
     G[::7] = 0
     yield "a torus, some of whose faces have no neighbours", G, best_table(G, N_true, RIDGE)
 
@@ -344,7 +357,7 @@ def several_shapes(seed):
         return G, N_true, np.repeat(np.arange(len(parts)), [len(N) for _, N in parts]), RIDGE
 
     box, ball = shapes.box(segments=4), shapes.icosphere(2)
-    yield "a box, a torus and a sphere", *pooled([box, shapes.torus(12, 8), ball])
+    yield "a box, a torus and a sphere", *pooled([box, shapes.torus(sections=12, sides=8), ball])
 
 
 def shuffled_shapes(seed):
