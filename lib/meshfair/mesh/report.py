@@ -77,7 +77,7 @@ class Inspection:
         words : function, optional
             From the advice as the package gives it, in Python, to other words.
         width : int
-            Of the lines of the advice.
+            Of the lines of findings and advice.
 
         Returns
         -------
@@ -146,7 +146,7 @@ def _text(inspection: Inspection, words: Callable[[str], str], width: int) -> st
     for finding in inspection.findings:
         affects, remedy = ADVICE[finding.kind]
         lines += [
-            f"{_label(finding)}: {finding}",
+            _wrapped(f"{_label(finding)}: ", str(finding), width),
             _wrapped("  affects: ", words(affects), width),
             _wrapped("  helps:   ", words(remedy), width),
         ]
@@ -154,7 +154,15 @@ def _text(inspection: Inspection, words: Callable[[str], str], width: int) -> st
 
 
 def _wrapped(label: str, text: str, width: int) -> str:
-    return fill(text, width, initial_indent=label, subsequent_indent=" " * len(label))
+    """Lines of this width; what is to be typed, such as --fix-boundary, stays whole."""
+    return fill(
+        text,
+        width,
+        initial_indent=label,
+        subsequent_indent=" " * len(label),
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
 
 
 def _html(inspection: Inspection) -> str:
