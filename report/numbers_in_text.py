@@ -3,6 +3,7 @@
 import pandas as pd
 
 import grid_results
+import numbers_of_learning
 from meshfair import _fast, shapes
 from meshfair.checks import Floats
 from meshfair.denoising import estimate_noise
@@ -57,6 +58,7 @@ def numbers(data: Tables) -> dict[str, str | bool]:
         _agreement,
         _quality,
         grid_results.numbers,
+        numbers_of_learning.numbers,
     ):
         new = part(data)
         if taken := found.keys() & new.keys():

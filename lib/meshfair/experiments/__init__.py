@@ -9,6 +9,7 @@ from meshfair.experiments.extensions import (
     origin_shift,
     reduction,
 )
+from meshfair.experiments.learning import kernel_transfer
 from meshfair.experiments.meshes import (
     MESHES,
     PAIRS,
@@ -47,6 +48,7 @@ __all__ = [
     "distance_readings",
     "eigenvalue_table",
     "full_resolution",
+    "kernel_transfer",
     "knot_draws",
     "knot_meshes",
     "load_mesh",
