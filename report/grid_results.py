@@ -24,10 +24,14 @@ HARM = 1.01  # of the noisy mesh's angle: worse than to do nothing
 
 
 def regret(**_: object) -> pd.DataFrame:
-    """Median and worst regret of every contender: on the whole grid, and for each kind and size."""
+    """Median and worst regret of every contender: on the whole grid, and for each kind and size.
+
+    One that has not run in every cell is left out.
+    """
     found = regrets(pd.read_csv(RESULTS / "choices.csv"))
     found = found[found["contender"] != "noisy mesh"]
-    whole = summary(found).set_index("contender")[["median", "worst"]]
+    whole = summary(found).set_index("contender")
+    whole = whole.loc[whole["cells"] == whole["cells"].max(), ["median", "worst"]]
     for column, values in (("kind", KINDS), ("size", SIZES)):
         part = summary(found, [column])
         part = part.pivot(index="contender", columns=column, values="median")
@@ -79,6 +83,7 @@ def _grid(table: pd.DataFrame) -> dict[str, str]:
     found = regrets(table)
     whole = summary(found).set_index("contender")
     single = whole.drop(index=[OWN, "noisy mesh"])
+    single = single[single["cells"] == single["cells"].max()]
     own = found[found["contender"] == OWN]
     worst = own.loc[own["regret"].idxmax()]
     ratio = own["normal_angle"] / own["best_default"]
@@ -89,7 +94,7 @@ def _grid(table: pd.DataFrame) -> dict[str, str]:
     ways = table[~table["method"].isin(["none", "auto"])].pivot(
         index=cells, columns="parameters", values="normal_angle"
     )
-    auto = ways["auto"] / ways["default"]
+    auto = (ways["auto"] / ways["default"]).dropna()
     tuned = table[table["parameters"] == "tuned"]
     best = tuned.loc[tuned.groupby(["mesh", "kind", "size"])["normal_angle"].idxmin(), "method"]
     return {
