@@ -2,17 +2,15 @@
 
 import manifold3d as m3
 import numpy as np
+from arrays import Mesh, compact, triangles
 from scipy.spatial import ConvexHull
 from skimage.measure import marching_cubes
-from solids import triangles
-from tessellations import WAYS, compact, cut, isotropic
+from tessellations import WAYS, cut, isotropic, subdivided
 
 from meshfair import shapes
-from meshfair.checks import Floats, Integers
 
-Mesh = tuple[Floats, Integers]
-
-FACES = 800, 4000
+FACES = 800, 4_000  # the least and the most that are asked for
+FEWEST, MOST = 300, 6_000  # what may come of it
 
 
 def polyhedron(rng: np.random.Generator) -> Mesh:
@@ -37,7 +35,7 @@ def superquadric(rng: np.random.Generator) -> Mesh:
 def prism(rng: np.random.Generator) -> Mesh:
     """A star or a wheel with teeth, drawn out, perhaps twisted."""
     teeth = int(rng.integers(3, 16))
-    angle = 2 * np.pi * (np.arange(4 * teeth) + 0.0) / (4 * teeth)
+    angle = 2 * np.pi * np.arange(4 * teeth) / (4 * teeth)
     r = np.tile([1.0, 1.0, rng.uniform(0.5, 0.95), rng.uniform(0.5, 0.95)], teeth)
     ring = np.column_stack([np.cos(angle), np.sin(angle)]) * r[:, None]
     twist = float(rng.choice([0.0, rng.uniform(-60, 60)]))
@@ -141,18 +139,9 @@ def jets(rng: np.random.Generator) -> Mesh:
     return triangles(body)
 
 
-RAW = {terrain, tube}
-FAMILIES = [
-    polyhedron,
-    superquadric,
-    prism,
-    turned,
-    minimal,
-    carved,
-    terrain,
-    tube,
-    jets,
-]
+AS_THEY_ARE = terrain, tube
+SMOOTH = superquadric, minimal, carved
+FAMILIES = (polyhedron, prism, turned, jets, *SMOOTH, *AS_THEY_ARE)
 
 
 def family(number: int) -> Mesh:
@@ -161,15 +150,13 @@ def family(number: int) -> Mesh:
         rng = np.random.default_rng([7, number, attempt])
         make = FAMILIES[number % len(FAMILIES)]
         V, F = make(rng)
-        faces = int(np.exp(rng.uniform(*np.log(FACES))))
-        if make not in RAW:
-            ways = list(WAYS)
-            way = ways[rng.choice(len(ways), p=np.array(list(WAYS.values())))]
-            if make in (superquadric, minimal, carved):
-                way = isotropic if way.__name__ == "subdivided" else way
-            V, F = way(V, F, faces, rng)
+        if make not in AS_THEY_ARE:
+            way = list(WAYS)[rng.choice(len(WAYS), p=np.array(list(WAYS.values())))]
+            if make in SMOOTH and way is subdivided:
+                way = isotropic
+            V, F = way(V, F, int(np.exp(rng.uniform(*np.log(FACES)))), rng)
         if rng.random() < 0.1:
             V, F = cut(V, F, rng)
-        if 300 <= len(F) <= 7000:
+        if FEWEST <= len(F) <= MOST:
             return V, F
     raise RuntimeError(f"shape {number} has not come about in 50 attempts")

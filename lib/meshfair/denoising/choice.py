@@ -6,15 +6,16 @@ the traits of what comes of it how much of the noisy mesh's error is left, and t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from meshfair.checks import Floats, Integers, MeshError
+from meshfair.checks import Booleans, Floats, Integers, MeshError
 from meshfair.denoising.forecast import forecast
 from meshfair.denoising.registry import (
+    BUILT_IN,
     Parameters,
     defaults,
     distinct,
@@ -27,6 +28,8 @@ from meshfair.solve import SolveError
 
 # Numbers of iterations at which a result is looked at, beside the last.
 STEPS = frozenset((0, 1, 2, 3, 5, 8, 12, 20, 30, 45))
+# Among all methods: without those that are nearly another one.
+ALL = tuple(name for name in BUILT_IN if name not in ("heat", "regularised", "bilateral"))
 # Filters whose results all others are compared with: in the order of the forecast's traits.
 REFERENCES: tuple[tuple[str, Parameters], ...] = (
     ("learned", {}),
@@ -85,6 +88,13 @@ class Chooser:
     report : function
         Called with the progress, 0 to 1.
 
+    Attributes
+    ----------
+    vertices : ndarray of int64, shape (k,)
+        Those of the sample.
+    V, F
+        The sample, as V and F are given.
+
     Raises
     ------
     MeshError
@@ -103,21 +113,24 @@ class Chooser:
             raise MeshError(
                 "V, F: all edges have length 0, so that no noise can be told from shape"
             )
-        vertices, self.F = sample(V, F)
-        self.V, self.chosen, self.report = V[vertices], chosen, report
+        self.vertices, self.F = sample(V, F)
+        self.V, self.chosen, self.report = V[self.vertices], chosen, report
         if chosen.get("fixed") is not None:
-            self.chosen = chosen | {"fixed": chosen["fixed"][vertices]}
+            self.chosen = chosen | {"fixed": chosen["fixed"][self.vertices]}
         self.sigma = sigma
         self.traits = Traits(self.V, self.F, sigma)
         self.failed: list[tuple[Parameters, SolveError]] = []
         self.tried = 0
+        for number, (name, parameters) in enumerate(REFERENCES, start=1):
+            self.traits.add_reference(self._reference(name, defaults(name) | parameters))
+            report(0.5 * number / len(REFERENCES))
 
-    def ranked(self, names: list[str]) -> list[Choice]:
+    def ranked(self, names: Sequence[str]) -> list[Choice]:
         """All candidates of some methods, the best one first.
 
         Parameters
         ----------
-        names : list of str
+        names : sequence of str
 
         Returns
         -------
@@ -128,21 +141,67 @@ class Chooser:
         SolveError
             No candidate can be solved.
         """
+        candidates = self.candidates(names)
+        expected = forecast(self.rows(candidates))
+        untouched = np.array([c.X is self.V for c in candidates])
+        usual = FIRST if len(names) > 1 else names[0]
+        is_usual = np.array([c.stop is None and c.method == usual for c in candidates])
+        score = ranking(expected.log_ratio, expected.gain, untouched, is_usual)
+        ratio = np.where(untouched, 1, expected.ratio)
+        return [
+            Choice(c.method, c.parameters, c.stop, float(ratio[k]), self._reason(c, ratio[k]))
+            for k in np.argsort(score, kind="stable")
+            for c in (candidates[k],)
+        ]
+
+    def candidates(self, names: Sequence[str]) -> list[Candidate]:
+        """Try all candidates of some methods; those those of one alone at more of their steps.
+
+        Parameters
+        ----------
+        names : sequence of str
+
+        Returns
+        -------
+        list of Candidate
+
+        Raises
+        ------
+        SolveError
+            None can be solved.
+        """
         trials = [(name, p) for name in names for p in self._parameters(name)]
-        self.tried, steps = len(trials), len(REFERENCES) + len(trials)
-        for number, (name, parameters) in enumerate(REFERENCES, start=1):
-            self.traits.add_reference(self._reference(name, defaults(name) | parameters))
-            self.report(number / steps)
+        self.tried = len(trials)
         candidates: list[Candidate] = []
-        for number, (name, parameters) in enumerate(trials, start=len(REFERENCES) + 1):
+        for number, (name, parameters) in enumerate(trials, start=1):
+            stops = STEPS if len(names) == 1 or len(find_method(name).candidates) == 1 else ()
             try:
-                candidates += self._results(name, parameters)
+                candidates += self._results(name, parameters, stops)
             except SolveError as error:
                 self.failed.append((parameters, error))
-            self.report(number / steps)
+            self.report(0.5 + 0.5 * number / len(trials))
         if not candidates:
             raise self.failed[0][1]
-        return self._choices(candidates, FIRST if len(names) > 1 else names[0])
+        return candidates
+
+    def rows(self, candidates: list[Candidate]) -> Floats:
+        """The traits of candidates, as `meshfair.denoising.forecast` takes them.
+
+        Parameters
+        ----------
+        candidates : list of Candidate
+
+        Returns
+        -------
+        ndarray of float64, shape (number of candidates, number of traits)
+        """
+        of_mesh, traits = self.traits.of_mesh(), self.traits
+        return np.array(
+            [
+                np.concatenate([of_mesh, traits.of_result(c.X), traits.of_noise_size(c.X)])
+                for c in candidates
+            ]
+        )
 
     def _parameters(self, name: str) -> list[Parameters]:
         """Those of a method's trials, each once: its defaults first."""
@@ -161,36 +220,18 @@ class Chooser:
     def _filled(self, name: str, parameters: Parameters) -> Parameters:
         return find_method(name).filled_in(self.V, self.F, parameters)
 
-    def _results(self, name: str, parameters: Parameters) -> Iterator[Candidate]:
-        """What comes of a trial, after some of its iterations where it can stop there."""
+    def _results(
+        self, name: str, parameters: Parameters, stops: Collection[int]
+    ) -> Iterator[Candidate]:
+        """What comes of a trial, and after which iterations it may stop before that."""
         method = find_method(name)
         last, count = self.V, 0
         for _, X in method.function(self.V, self.F, **self._filled(name, parameters)):
             if X is not last:
-                if method.count and count in STEPS:
+                if method.count and count in stops:
                     yield Candidate(name, parameters, count, last)
                 last, count = X, count + 1
         yield Candidate(name, parameters, None, last)
-
-    def _choices(self, candidates: list[Candidate], usual: str) -> list[Choice]:
-        """The candidates by what is expected of them."""
-        mesh = self.traits.of_mesh()
-        rows = [
-            np.concatenate([mesh, self.traits.of_result(c.X), self.traits.of_noise_size(c.X)])
-            for c in candidates
-        ]
-        expected = forecast(np.array(rows))
-        untouched = np.array([c.X is self.V for c in candidates])
-        score = expected.log_ratio + WORTH * np.maximum(0, GAIN - expected.gain)
-        score = np.where(untouched, 0, score)
-        is_usual = np.array([c.stop is None and c.method == usual for c in candidates])
-        score[np.flatnonzero(is_usual)[:1]] -= MARGIN  # the first one has the defaults
-        ratio = np.where(untouched, 1, expected.ratio)
-        return [
-            Choice(c.method, c.parameters, c.stop, float(ratio[k]), self._reason(c, ratio[k]))
-            for k in np.argsort(score, kind="stable")
-            for c in (candidates[k],)
-        ]
 
     def _reason(self, candidate: Candidate, ratio: float) -> str:
         """What the noise looks like beside the result, and what is left of it."""
@@ -206,6 +247,29 @@ class Chooser:
         if np.mean(along[i] * along[j]) > CORRELATED * size**2:
             kind += ", alike at neighbours"
         return f"noise of {size:.2g} edges {kind}; {ratio:.0%} of the error should be left"
+
+
+def ranking(log_ratio: Floats, gain: Floats, untouched: Booleans, usual: Booleans) -> Floats:
+    """What candidates are ranked by, the least first.
+
+    Parameters
+    ----------
+    log_ratio, gain : ndarray of float64, shape (r,)
+        See `meshfair.denoising.forecast.Forecast`.
+    untouched : ndarray of bool, shape (r,)
+        Which ones are the noisy mesh itself.
+    usual : ndarray of bool, shape (r,)
+        Which ones are of the method that is chosen where nothing speaks for another;
+        the first one of them, with its defaults, counts.
+
+    Returns
+    -------
+    ndarray of float64, shape (r,)
+    """
+    score = log_ratio + WORTH * np.maximum(0, GAIN - gain)
+    score[untouched] = 0
+    score[np.flatnonzero(usual)[:1]] -= MARGIN
+    return score
 
 
 def sample(V: Floats, F: Integers) -> tuple[Integers, Integers]:

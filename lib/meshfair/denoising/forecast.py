@@ -3,7 +3,7 @@
 Gradient boosting [Friedman01]_: the forecast is a sum of many small decision trees over the
 traits of the mesh and of the filter's result (`meshfair.denoising.traits`). Stein's estimate
 (`meshfair.sure`) needs white Gaussian noise of known size; this one has seen other noise, too.
-How the trees came about: `data_scripts/train/choose.py`.
+How the trees came about: `data_scripts/train/choices.py`.
 
 References
 ----------
@@ -21,7 +21,7 @@ import numpy as np
 
 from meshfair.checks import Floats, Integers
 
-SMALL_ANGLE = 0.3
+LEAST_ANGLE = 0.1
 """Degrees that are added to both angles of a ratio, so that clean meshes have one."""
 
 
@@ -68,7 +68,7 @@ class Forecast(NamedTuple):
     """What is expected of results, one entry for each."""
 
     log_ratio: Floats
-    """log((angle + 0.3) / (noisy angle + 0.3)) of the mean normal angles in degrees."""
+    """log((angle + 0.1) / (noisy angle + 0.1)) of the mean normal angles in degrees."""
     gain: Floats
     """What the SNR gains, in decibels."""
 

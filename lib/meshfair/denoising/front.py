@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import wraps
 from typing import Any, TypeVar, cast
 
@@ -15,9 +15,8 @@ from meshfair.checks import (
     check_same_vertices,
     did_you_mean,
 )
-from meshfair.denoising.choice import Chooser
+from meshfair.denoising.choice import ALL, Chooser
 from meshfair.denoising.registry import (
-    BUILT_IN,
     DEFAULT,
     Parameters,
     defaults,
@@ -116,7 +115,7 @@ def denoise(
     auto = check_choice(parameters, "parameters", ("default", "auto")) == "auto"
     if sigma is not None:
         sigma = check_number(sigma, "sigma", 0)
-    names = list(BUILT_IN) if method == "auto" else [method]
+    names = ALL if method == "auto" else (method,)
     _check_chosen(method, chosen, sigma, auto)
     turn = auto or any(find_method(name).normals for name in names)
     run = Run(V, F, ground_truth, callback, chosen, normals=turn)
@@ -150,7 +149,7 @@ def _check_chosen(method: str, chosen: Parameters, sigma: float | None, auto: bo
         )
 
 
-def _chosen(run: Run, names: list[str], sigma: float | None) -> Denoised:
+def _chosen(run: Run, names: Sequence[str], sigma: float | None) -> Denoised:
     """What comes of the best choice among some methods."""
     try:
         chooser = Chooser(run.V, run.F, run.chosen, sigma, lambda p: run.report(CHOICE * p))
