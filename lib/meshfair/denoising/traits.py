@@ -11,14 +11,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.sparse import eye_array
 
-from meshfair import weights
 from meshfair.checks import Floats, Integers
 from meshfair.mesh import Edges, face_shapes, interior_edges, mean_edge_length, normalised
 from meshfair.mesh.geometry import incidence
-from meshfair.operators import averaging
-from meshfair.sure import noise_by_differences
+from meshfair.sure import high_passes, noise_by_differences
 
 # Below these, logarithms and ratios are of rounding, not of a mesh.
 LENGTH, RATIO, SQUARE = 1e-3, 1e-4, 1e-8
@@ -41,16 +38,12 @@ class Traits:
     def __init__(self, V: Floats, F: Integers, sigma: float | None = None) -> None:
         self.V, self.F = V, F
         self.length, self.sigma = mean_edge_length(V, F), sigma
-        self.A = averaging(weights.combinatorial(F, len(V)))
         self.B = incidence(F, len(V))
         self.edges = Edges.of_all(F, len(V))
         self.beside = interior_edges(F).faces.T
         self.N, self.area, _ = face_shapes(V, F)
         self.references: list[tuple[Floats, Floats]] = []
-        R = eye_array(len(V), format="csr") - self.A
-        self._K = [R]
-        for _ in range(POWERS - 1):
-            self._K.append(self._K[-1] @ R)
+        self._K = high_passes(F, len(V), POWERS)
         self._norms = [np.sqrt(K.power(2).sum(axis=1)) for K in self._K]
         for norm in self._norms:
             norm[norm == 0] = 1  # a vertex without faces has no neighbours
@@ -66,7 +59,7 @@ class Traits:
         -------
         ndarray of float64, shape (k,)
         """
-        smooth = self.A @ self.V
+        smooth = self._averaged(self.V)
         N, area, _ = face_shapes(smooth, self.F)
         n = self._vertex_normals(N, area)
         found: list[Any] = []
@@ -100,7 +93,7 @@ class Traits:
         -------
         ndarray of float64, shape (k,)
         """
-        (i, j), A = self.edges.ends.T, self.A
+        i, j = self.edges.ends.T
         N, area, _ = face_shapes(X, self.F)
         along, across = self.residual(X)
         n = self._vertex_normals(N, area)
@@ -114,7 +107,7 @@ class Traits:
             np.log(np.sqrt(square_across) + LENGTH),
             np.log((np.mean(np.abs(along)) + RATIO) / np.sqrt(square)),
             np.mean(along[i] * along[j]) / square,
-            np.mean(along * (A @ (A @ along))) / square,
+            np.mean(along * self._averaged(self._averaged(along))) / square,
             _mean_dot(across[i], across[j]) / square_across,
             np.mean(along) / np.sqrt(square),
             np.log(np.median(rough) + LENGTH),
@@ -168,6 +161,10 @@ class Traits:
         D = (self._K[power] @ X) / self._norms[power][:, None] / self.length
         along = np.sum(D * n, axis=1)
         return np.abs(along), np.linalg.norm(D - along[:, None] * n, axis=1)
+
+    def _averaged(self, X: Floats) -> Floats:
+        """W~ X."""
+        return X - self._K[0] @ X
 
     def _bends(self, N: Floats) -> Floats:
         if not self.beside.size:  # a mesh of separate triangles
