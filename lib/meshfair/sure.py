@@ -73,7 +73,7 @@ def noise_by_differences(V: ArrayLike, F: ArrayLike) -> float:
 
 
 def high_passes(F: Integers, n: int, powers: int) -> list[csr_array]:
-    """The operators K = (I - W~)^p for p = 1 .. powers, with equal weights: each a high-pass filter.
+    """The operators K = (I - W~)^p for p = 1 .. powers and equal weights: high-pass filters.
 
     Parameters
     ----------
