@@ -391,7 +391,7 @@ def test_the_filter_explorer_points_the_camera_at_another_mesh():
 @pytest.fixture
 def endless(monkeypatch):
     """A method that yields until it is ended; tells that it is at work, and how often it began."""
-    monkeypatch.setattr(denoising, "_METHODS", dict(denoising._METHODS))
+    monkeypatch.setattr(denoising.registry, "_METHODS", dict(denoising.registry._METHODS))
     at_work, begun = threading.Event(), []
 
     @denoising.register("endless")
