@@ -84,7 +84,17 @@ class Method:
     """Whether it uses normals, so that faces have to be turned consistently."""
 
     def stopped(self, parameters: Parameters, k: int) -> Parameters:
-        """The parameters with which it ends where it now yields its k-th new positions."""
+        """The parameters with which it ends where it now yields its k-th new positions.
+
+        Parameters
+        ----------
+        parameters : dict
+        k : int
+
+        Returns
+        -------
+        dict
+        """
         if callable(self.count):
             return self.count(parameters, k)
         return parameters | {self.count: k} if self.count else parameters
@@ -338,11 +348,21 @@ def tune(
     those with the smallest mean normal angle: what a method can do at best,
     and a way to find parameters for meshes like this one.
 
-    Parameters and errors are those of `denoise`; ``ground_truth`` decides.
+    Parameters
+    ----------
+    V, F, method, callback, **chosen
+        As in `denoise`.
+    ground_truth : array_like, shape (n, 3)
+        The positions that decide.
 
     Returns
     -------
     Denoised
+
+    Raises
+    ------
+    MeshError, ValueError
+        As `denoise`.
     """
     V, F = check_mesh(V, F)
     V, ground_truth = check_same_vertices(V, ground_truth, ("V", "ground_truth"))
