@@ -25,6 +25,7 @@ from meshfair.sure import SURE, true_risk
 from meshfair.viewer import CMAPS, Camera, render
 from meshfair.viewer.coloring import displacement
 from meshfair.weights import BY_NAME
+from numbers_of_learning import cells
 from tables import JET_NOISE, QUALITY_NOISE, SEED
 
 Tables = dict[str, pd.DataFrame]
@@ -370,10 +371,45 @@ def scaling(folder: Path, data: Tables) -> None:
         axes.legend(ncols=2, loc="upper center", fontsize=7.5)
 
 
+def learned(folder: Path, data: Tables) -> None:
+    """The curve of training, and every cell of the validation."""
+    with plotting.figure(folder / "learned-training.svg", columns=2) as (left, right):
+        for stage, rows in data["training"].groupby("stage"):
+            colour = ("#0072B2", "#D55E00")[stage - 1]
+            left.plot(rows["step"], rows["loss"], color=colour, label=f"stage {stage}")
+            marked = rows.dropna(subset=["sharp", "smooth"])
+            for kind, style in (("sharp", "o-"), ("smooth", "s--")):
+                label = f"stage {stage}, {kind}"
+                right.plot(marked["step"], marked[kind], style, ms=3, color=colour, label=label)
+        left.set(xlabel="step", ylabel="loss", ylim=(0, None))
+        right.set(xlabel="step", ylabel="mean normal angle (degrees)", ylim=(0, None))
+        left.legend()
+        right.legend(ncols=2, fontsize=7.5)
+    ratios = cells(data["validation"])["ratio"].reset_index()
+    sizes = sorted(ratios["size"].unique())
+    with plotting.figure(folder / "learned-cells.svg", (6.3, 3.0), columns=2, sharex=True) as both:
+        for axes, level in zip(both, ("noise", "shape"), strict=True):
+            names = list(ratios[level].unique())
+            for k, size in enumerate(sizes):
+                rows = ratios[ratios["size"] == size]
+                y = rows[level].map(names.index) + 0.18 * (k - (len(sizes) - 1) / 2)
+                shade = f"{0.7 - 0.7 * k / (len(sizes) - 1):.2f}"  # a grey
+                axes.plot(rows["ratio"], y, ".", color=shade, ms=5, label=f"{size:g} edges")
+            axes.axvline(1, color="0.3", lw=0.8)
+            axes.set(xscale="log", yticks=range(len(names)), yticklabels=names)
+            axes.set_xticks((0.2, 0.5, 1, 2), labels=("0.2", "0.5", "1", "2"))
+            axes.minorticks_off()
+            axes.set(xlabel="angle over the best other's")
+            axes.invert_yaxis()
+        handles, labels = both[0].get_legend_handles_labels()
+        both[0].figure.legend(handles, labels, loc="outside upper center", ncols=len(sizes))
+
+
 FIGURES = {
     draw.__name__: draw
     for draw in (
         cotangent_angles, knot_meshes, knot_curves, spectrum, jet_meshes, jet_curves,
         jet_without_missiles, f16, full_resolution, scaling, reduction, agreement, gallery, risk,
+        learned,
     )
 }  # fmt: skip

@@ -2,6 +2,7 @@
 
 import pandas as pd
 
+import numbers_of_learning
 from meshfair import _fast, shapes
 from meshfair.checks import Floats
 from meshfair.denoising import estimate_noise
@@ -53,6 +54,7 @@ def numbers(data: Tables) -> dict[str, str | bool]:
         _origin_shift,
         _agreement,
         _quality,
+        numbers_of_learning.numbers,
     ):
         new = part(data)
         if taken := found.keys() & new.keys():

@@ -126,11 +126,16 @@ def missiles(**_: Any) -> pd.DataFrame:
     return experiments.averaging_for_missiles(QUALITY_NOISE, SEED)
 
 
+def kernel_transfer(**_: Any) -> pd.DataFrame:
+    """Kernels learned from one mesh and tried on another, with the same noise."""
+    return experiments.kernel_transfer(size=QUALITY_NOISE, seed=SEED)
+
+
 TABLES = {
     make.__name__: make
     for make in (
         table_1, distance_readings, knot, eigenvalues, jet, jet_parts, jet_without_missiles,
         f16, bunny, large_sphere, reduction, origin_shift, agreement, quality,
-        missiles,
+        missiles, kernel_transfer,
     )
 }  # fmt: skip

@@ -45,6 +45,7 @@ def quick_pictures(monkeypatch):
         lambda: explorers.JetExplorer(detail=0.5, iterations=3),
         lambda: explorers.DenoisingExplorer(V, F, iterations=5),
         lambda: explorers.FilterExplorer(MESHES),
+        lambda: explorers.KernelExplorer(MESHES),
         lambda: explorers.NeighbourhoodExplorer(V, F),
         lambda: explorers.EigenmodeExplorer(V, F, iterations=5),
         lambda: explorers.LowPassExplorer(V, F),

@@ -222,6 +222,8 @@ def test_figures_can_be_read_on_light_and_on_dark_pages(tmp_path):
         figure.savefig(tmp_path / "figure.png")
         written = [axes.title, axes.xaxis.label, *axes.get_xticklabels()]
         inks = {to_rgb(text.get_color()) for text in written}
+    inline = pytest.importorskip("matplotlib_inline.backend_inline")
+    assert inline._fetch_figure_metadata(figure) is None  # else the page puts a colour behind it
     pixels = mpl.image.imread(tmp_path / "figure.png")
     assert pixels[0, 0, 3] == 0
     assert pixels[pixels.shape[0] // 2, pixels.shape[1] // 2 + 30, 3] < 0.1  # within the axes

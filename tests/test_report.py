@@ -11,7 +11,9 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 REPORT = ROOT / "report"
-TEXT = (REPORT / "report.typ").read_text(encoding="utf-8")
+TEXT = "\n".join(
+    (REPORT / name).read_text(encoding="utf-8") for name in ("report.typ", "learned.typ")
+)
 
 # Numbers that are part of a name or of a definition, not measured.
 NAMES = re.compile(r"F-16|Open3D|L0\b")
@@ -63,6 +65,35 @@ def test_numbers_are_not_hidden_in_other_files():
     assert not re.search(r'"[a-z0-9-]+": f?"[^"{]*\d', code)  # a key with a written-out number
 
 
+def test_the_learned_filters_numbers_are_those_of_its_validation(monkeypatch):
+    monkeypatch.syspath_prepend(str(REPORT))
+    import pandas as pd
+
+    from numbers_of_learning import _training, _validation
+
+    scores = pd.read_csv(REPORT / "results/validation.csv")
+    won, lost, cells = [], 0, scores.groupby(["shape", "noise", "size"])
+    for _, rows in cells:  # row by row, where the report pivots
+        angle = dict(zip(rows["method"], rows["normal_angle"], strict=True))
+        snr = dict(zip(rows["method"], rows["snr"], strict=True))
+        learned, noisy = angle.pop("learned"), angle.pop("noisy")
+        won.append(learned < min(angle.values()))
+        lost += snr["learned"] < snr["noisy"] - 0.1
+        assert learned < noisy
+    found = _validation({"validation": scores})
+    assert found["learned-cells"] == str(len(won))
+    assert found["learned-won"] == f"{100 * sum(won) / len(won):.0f}"
+    assert found["learned-lost"] == str(lost)
+    assert found["learned-rougher"] == "0"
+    names = {name for column in ("noise", "shape") for name in scores[column]}
+    assert {key[8:-4] for key in found if key.endswith("-won")} == names | {""}
+    curve = pd.read_csv(REPORT / "results/training.csv")
+    found = _training({"training": curve})
+    last = curve[curve["stage"] == 2].iloc[-1]
+    assert found["learned-2-steps"] == f"{last['step']:,.0f}"
+    assert found["learned-2-sharp"] == f"{last['sharp']:.2f}"
+
+
 # The report with few noise draws and four of its filters, one of each sort; of the slowest one
 # no parameters are tried but its own.
 BUILD = """
@@ -77,6 +108,10 @@ denoising.methods = lambda: ["averaging", "taubin", "bilateral-normal", "feature
 denoising.register("feature-convinced")(filters.feature_convinced)
 build.main()
 """
+
+
+# Of the learned filter, which is not among these, and of meshes that are not there.
+UNMEASURED = ("learned-missiles", "learned-fandisk", "learned-pair")
 
 
 @pytest.fixture(scope="module")
@@ -105,11 +140,15 @@ def test_the_numbers_are_those_of_the_tables(built):
     numbers = json.loads((folder / "numbers.json").read_text(encoding="utf-8"))
     used = set(re.findall(r'#n\("([^"]*)"\)', without(r"//[^\n]*", TEXT)))
     missing = {key for key in used if key not in numbers} - {
-        key for key in used if key.startswith(("f16", "bunny", "fandisk", "pair-"))
+        key for key in used if key.startswith(("f16", "bunny", "fandisk", "pair-", *UNMEASURED))
     }
     assert missing == set()
     knot = pd.read_csv(folder / "tables/knot.csv").set_index(["weights", "time"])
     assert numbers["knot-comb-10"] == f"{knot.loc[('combinatorial', 10.0), 'snr']:.2f}"
+    kernels = pd.read_csv(folder / "tables/kernel_transfer.csv").set_index(
+        ["learned_from", "tried_on"]
+    )
+    assert numbers["transfer-box-torus"] == f"{kernels.loc[('torus', 'box'), 'normal_angle']:.1f}"
     table = pd.read_csv(folder / "tables/table_1.csv")
     cell = table.query("noise == 'normals' and weights == 'combinatorial'").iloc[0]
     assert numbers["t1-first-normals-comb"] == f"{cell['snr_mean']:.1f}"

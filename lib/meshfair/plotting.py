@@ -40,10 +40,10 @@ STYLE: dict[Any, Any] = {  # any of matplotlib's names, which differ between its
 
 # Read on white and on nearly black paper alike; what is behind them is the page.
 BOTH_THEMES: dict[Any, Any] = {
-    **dict.fromkeys(
-        ("text.color", "axes.labelcolor", "axes.titlecolor", "xtick.color", "ytick.color"),
-        "#808080",
-    ),
+    **dict.fromkeys(("text.color", "axes.labelcolor", "axes.titlecolor", "xtick.color"), "#808080"),
+    # Where all ticks are lighter than half, or all darker, IPython has the page put black or
+    # white behind the figure. With one of each, by a hair, it leaves it alone.
+    "ytick.color": "#7f7f7f",
     "axes.edgecolor": "#808080",
     "axes.facecolor": "none",
     "figure.facecolor": "none",

@@ -7,6 +7,7 @@ from meshfair.experiments.extensions import (
     origin_shift,
     reduction,
 )
+from meshfair.experiments.learning import kernel_transfer
 from meshfair.experiments.meshes import (
     MESHES,
     PAIRS,
@@ -42,6 +43,7 @@ __all__ = [
     "distance_readings",
     "eigenvalue_table",
     "full_resolution",
+    "kernel_transfer",
     "knot_meshes",
     "load_mesh",
     "load_noisy_mesh",
