@@ -20,6 +20,7 @@ CHROMIUM = "/usr/bin/chromium"
 
 sys.path.insert(0, str(PAGES))
 import docstrings  # noqa: E402
+import execution  # noqa: E402
 import public  # noqa: E402
 
 
@@ -95,6 +96,33 @@ def test_every_notebook_and_filter_has_its_page(site):
     for path in (ROOT / "notebooks").glob("[0-9][0-9]-*.ipynb"):
         page = (site / "notebooks" / path.name).with_suffix(".html")
         assert "prev-next" in page.read_text(encoding="utf-8"), path.name
+
+
+# Third parties' own: jupyter_client's and zmq's, on their way to newer versions.
+@pytest.mark.filterwarnings("ignore::DeprecationWarning:(jupyter_client|nbclient|zmq|traitlets)")
+@pytest.mark.filterwarnings("ignore::ResourceWarning")
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_a_notebook_is_run_again_only_if_the_package_or_its_cells_have_changed(tmp_path):
+    nbformat = pytest.importorskip("nbformat")
+    module = tmp_path / "module.py"
+    module.write_text("1")
+    folder = execution.cache_folder(tmp_path / "executed", [module])
+    path = tmp_path / "a.ipynb"
+
+    def outcome(code, folder):
+        notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(code)])
+        notebook.metadata["kernelspec"] = {"name": "python3", "display_name": "Python 3"}
+        path.write_text(nbformat.writes(notebook))
+        done = execution.execute([path], folder, tmp_path / "scratch")
+        return done[path].cells[0].outputs[0].data["text/plain"]
+
+    first = outcome("import random\nrandom.random()", folder)
+    assert outcome("import random\nrandom.random()", folder) == first
+    assert outcome("import random\nrandom.random() + 0", folder) != first
+    module.write_text("2")
+    other = execution.cache_folder(tmp_path / "executed", [module])
+    assert outcome("import random\nrandom.random()", other) != first
+    assert not folder.exists()
 
 
 def test_formulas_are_those_of_docstrings():

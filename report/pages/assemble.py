@@ -20,6 +20,8 @@ import reference
 from execution import cache_folder, execute
 from links import Links
 
+from meshfair import viewer
+
 PAGES = Path(__file__).resolve().parent
 REPORT = PAGES.parent
 ROOT = REPORT.parent
@@ -28,6 +30,7 @@ SOURCE = BUILD / "source"
 SITE = REPORT / "site"
 HTML = BUILD / "html"  # what becomes the site once it is without faults
 PDF = REPORT / "report.pdf"
+PLAYER = BUILD / "player"
 
 
 def main() -> None:
@@ -58,7 +61,7 @@ def main() -> None:
 
     runs = [SOURCE / "notebooks" / path.name for path in course]
     runs += [SOURCE / "gallery" / f"{method}.ipynb" for method in methods]
-    cache = cache_folder(BUILD / "executed", [*(ROOT / "lib").rglob("*.[pjc][ys]*")])
+    cache = cache_folder(BUILD / "executed", package_sources())
     executed = execute(runs, cache, BUILD / "scratch")
     for method in methods:
         notebook = executed[SOURCE / "gallery" / f"{method}.ipynb"]
@@ -94,11 +97,26 @@ def main() -> None:
     for path in SOURCE.rglob("*"):  # what an earlier build had
         if path.is_file() and path not in written:
             path.unlink()
+    write_player()
     sphinx(cache)
     shutil.copyfile(PDF, HTML / PDF.name)
     shutil.rmtree(SITE, ignore_errors=True)
     shutil.copytree(HTML, SITE, ignore=shutil.ignore_patterns(".buildinfo", "objects.inv"))
     print(f"{SITE / 'index.html'}\nto look at it: python -m http.server -d {os.path.relpath(SITE)}")
+
+
+def package_sources() -> list[Path]:
+    """Every file of the package that a notebook's outputs may depend on."""
+    kept = {".py", ".js", ".css", ".npz", ".toml", ".csv"}
+    return [path for path in (ROOT / "lib").rglob("*.*") if path.suffix in kept]
+
+
+def write_player() -> None:
+    """Write the script and the styles of meshes that move, which all pages share."""
+    shutil.rmtree(PLAYER, ignore_errors=True)
+    PLAYER.mkdir(parents=True)
+    for name, text in getattr(viewer, "page_files", dict)().items():
+        (PLAYER / name).write_text(text, encoding="utf-8")
 
 
 def make_report() -> None:
@@ -114,6 +132,7 @@ def sphinx(cache: Path) -> None:
     environment = {
         **os.environ,
         "MESHFAIR_EXECUTED": str(cache),
+        "MESHFAIR_PLAYER": str(PLAYER),
         "PYTHONPATH": os.pathsep.join(
             [str(ROOT / "lib"), *filter(None, [os.environ.get("PYTHONPATH")])]
         ),

@@ -69,8 +69,10 @@ bibtex_reference_style = "author_year"
 # The look.
 html_theme = "pydata_sphinx_theme"
 html_title = "meshfair"
-html_static_path = [str(PAGES / "static")]
-html_css_files = ["site.css"]
+player = Path(os.environ["MESHFAIR_PLAYER"])  # what meshes need in a page without a kernel
+html_static_path = [str(PAGES / "static"), str(player)]
+html_css_files = ["site.css", *(path.name for path in player.glob("*.css"))]
+html_js_files = [path.name for path in player.glob("*.js")]
 html_favicon = str(PAGES / "static" / "favicon.svg")
 html_show_sourcelink = False
 html_copy_source = False
