@@ -110,7 +110,8 @@ def test_a_notebook_is_run_again_only_if_the_package_or_its_cells_have_changed(t
     path = tmp_path / "a.ipynb"
 
     def outcome(code, folder):
-        notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(code)])
+        cell = nbformat.v4.new_code_cell(code, id="only")
+        notebook = nbformat.v4.new_notebook(cells=[cell])
         notebook.metadata["kernelspec"] = {"name": "python3", "display_name": "Python 3"}
         path.write_text(nbformat.writes(notebook))
         done = execution.execute([path], folder, tmp_path / "scratch")
