@@ -4,6 +4,7 @@ What a notebook shows depends on its cells and on the package: the cache stands 
 after the package's sources, and within it each notebook is looked up by its cells.
 """
 
+import asyncio
 import hashlib
 import os
 import shutil
@@ -71,7 +72,7 @@ def _run(path: Path, notebook: NotebookNode, scratch: Path) -> NotebookNode:
         resources={"metadata": {"path": str(scratch)}},
     )
     try:
-        client.execute(env={**os.environ, **KERNEL})
+        asyncio.run(client.async_execute(env={**os.environ, **KERNEL}))
     except nbclient.exceptions.CellExecutionError as error:
         raise SystemExit(f"{path.name} fails:\n{error}") from None
     print(f"  executed {path.name}", flush=True)
