@@ -23,6 +23,8 @@ import docstrings  # noqa: E402
 import execution  # noqa: E402
 import public  # noqa: E402
 
+pytestmark = pytest.mark.xdist_group("site")  # one worker builds it
+
 
 @pytest.fixture(scope="session")
 def site():
