@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import runpy
 from pathlib import Path
 
 import pytest
@@ -232,6 +233,26 @@ def test_tells_its_goal_and_leads_on(notebook, path):
     assert linked
     for name in linked:
         assert (FOLDER / name).is_file(), name
+
+
+@each_notebook
+def test_begins_with_the_links_that_make_links_writes(notebook, path):
+    write_links = runpy.run_path(str(TESTS.parent / "data_scripts" / "write_links.py"))
+    text = "".join(notebook["cells"][0]["source"])
+    assert text == write_links["with_links"](text, path.name, write_links["addresses"]())
+
+
+def test_links_lead_to_the_addresses_of_the_project():
+    write_links = runpy.run_path(str(TESTS.parent / "data_scripts" / "write_links.py"))
+    urls = {"Repository": "https://github.com/a/b", "Documentation": "https://a.example/b/"}
+    assert write_links["line"]("01-x.ipynb", urls) == (
+        "[This notebook as a page](https://a.example/b/notebooks/01-x.html) · [run it on Binder]"
+        "(https://mybinder.org/v2/gh/a/b/main?urlpath=lab%2Ftree%2Fnotebooks%2F01-x.ipynb)"
+    )
+    elsewhere = {"Repository": "https://git.example/a/b"}
+    assert "/v2/git/https%3A%2F%2Fgit.example%2Fa%2Fb/main?" in write_links["line"](
+        "01-x.ipynb", elsewhere
+    )
 
 
 # Third parties' own: jupyter_client's and zmq's, on their way to newer versions.

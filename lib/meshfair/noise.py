@@ -81,11 +81,19 @@ def _warn_of_cancelled(normals: Floats, F: Integers) -> None:
 def gaussian(V: ArrayLike, F: ArrayLike, sigma: float, rng: np.random.Generator) -> Floats:
     """Isotropic Gaussian noise: each coordinate moved by eps N(0, 1).
 
-    Parameters, errors and eps are those of `along_normals`.
+    Parameters
+    ----------
+    V, F, sigma, rng
+        As in `along_normals`.
 
     Returns
     -------
     ndarray of float64, shape (n, 3)
+
+    Raises
+    ------
+    MeshError, ValueError, TypeError
+        As `along_normals`.
     """
     V, F = check_mesh(V, F)
     eps = check_number(sigma, "sigma", 0) * mean_edge_length(V, F)

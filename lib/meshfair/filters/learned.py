@@ -63,11 +63,21 @@ def learned(
     Parameters
     ----------
     V, F, fixed
-        As in `meshfair.filters.averaging`, and so are the iterator and its errors.
+        As in `meshfair.filters.averaging`.
     stages : int
         How many stages to run: 1, or 2.
     vertex_iterations : int
         How often the vertices are moved in each stage.
+
+    Yields
+    ------
+    progress, V
+        As `meshfair.filters.averaging`.
+
+    Raises
+    ------
+    MeshError, ValueError
+        As `meshfair.filters.averaging`.
     """
     V, F = check_mesh(V, F)
     networks = trained()

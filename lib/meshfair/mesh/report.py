@@ -60,7 +60,12 @@ class Inspection:
         return dict.fromkeys(KINDS, 0) | {found.kind: len(found.where) for found in self.findings}
 
     def as_dict(self) -> dict[str, Any]:
-        """The inspection as numbers, texts, lists and dictionaries, ready for JSON."""
+        """The inspection as numbers, texts, lists and dictionaries, ready for JSON.
+
+        Returns
+        -------
+        dict
+        """
         facts = {field.name: getattr(self, field.name) for field in fields(self)}
         return facts | {
             "size": list(self.size),

@@ -135,7 +135,17 @@ class SideBySide:
         return Camera.around(V, direction, self.up, aspect=aspect or self.aspect)
 
     def placed_camera_for(self, aspect: float) -> Camera:
-        """The camera of `camera_for` that sees the placed panels."""
+        """The camera of `camera_for` that sees the placed panels.
+
+        Parameters
+        ----------
+        aspect : float
+            As in `camera_for`.
+
+        Returns
+        -------
+        Camera
+        """
         return self._placement.camera(self.camera_for(aspect))
 
     def camera_for(self, aspect: float) -> Camera:
@@ -151,6 +161,11 @@ class SideBySide:
         Camera
             From nobody's hand: the one that fits the shape. Else the view's own, moved
             back as far as a narrower picture needs.
+
+        Raises
+        ------
+        ValueError
+            An ``aspect`` that is no finite number above 0.
         """
         aspect = check_number(aspect, "aspect", 0, open_low=True)
         if self.camera == self._camera_home():
