@@ -187,11 +187,21 @@ def tune(
     those with the smallest mean normal angle: what a method can do at best,
     and a way to find parameters for meshes like this one.
 
-    Parameters and errors are those of `denoise`; ``ground_truth`` decides.
+    Parameters
+    ----------
+    V, F, method, callback, **chosen
+        As in `denoise`.
+    ground_truth : array_like, shape (n, 3)
+        The positions that decide.
 
     Returns
     -------
     Denoised
+
+    Raises
+    ------
+    MeshError, ValueError
+        As `denoise`.
     """
     V, F = check_mesh(V, F)
     V, ground_truth = check_same_vertices(V, ground_truth, ("V", "ground_truth"))

@@ -43,7 +43,17 @@ class Method:
         return self.fill_in(V, F, parameters) if self.fill_in else parameters
 
     def stopped(self, parameters: Parameters, k: int) -> Parameters:
-        """The parameters with which it ends where it now yields its k-th new positions."""
+        """The parameters with which it ends where it now yields its k-th new positions.
+
+        Parameters
+        ----------
+        parameters : dict
+        k : int
+
+        Returns
+        -------
+        dict
+        """
         if callable(self.count):
             return self.count(parameters, k)
         return parameters | {self.count: k} if self.count else parameters
