@@ -11,7 +11,7 @@ SETUP := pyproject.toml constraints.txt
 FUZZ_SECONDS ?= 600
 
 .DEFAULT_GOAL := help
-.PHONY: help report check test lab data shapes train bench mutate fuzz assignments lint types format clean system
+.PHONY: help report site pictures links check test lab data shapes train forecast grid bench mutate fuzz assignments lint types format clean system
 
 help: ## list these targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1|/' | \
@@ -19,6 +19,15 @@ help: ## list these targets
 
 report: $(VENV)/report.done system ## run every experiment and typeset report/report.pdf
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python report/build.py
+
+site: $(VENV)/site.done system ## build the site in report/site (to look at it: python -m http.server -d report/site)
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python report/pages/assemble.py
+
+pictures: $(VENV)/report.done system ## draw README's pictures
+	$(BIN)/python report/pictures/draw.py
+
+links: $(VENV)/notebooks.done ## bring the links at the notebooks' beginnings up to pyproject.toml's addresses
+	$(BIN)/python data_scripts/write_links.py
 
 # On two busy cores, BLAS threads wait for each other.
 check: lint types ## style, types and the numerical tests: less than a minute
@@ -42,6 +51,12 @@ shapes: $(VENV)/fast.done ## write the built-in shapes to data/
 train: $(VENV)/train.done ## train the learned filter anew (two hours), or go on where that was interrupted
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python data_scripts/train
 
+forecast: $(VENV)/train.done ## train the choice between filters anew (an hour), or go on where that was interrupted
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python data_scripts/train/choices.py
+
+grid: $(VENV)/report.done $(VENV)/fast.done ## compare the choices of methods and parameters on the grid (an hour), or go on where that was interrupted
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python data_scripts/grid.py
+
 bench: LISTS := apt.txt apt-bench.txt
 bench: $(VENV)/bench.done system ## measure times and memory beside other libraries (a quarter of an hour)
 	$(BIN)/python tests/benchmarks/bench.py
@@ -64,7 +79,7 @@ format: $(VENV)/test.done ## bring the code into the project's style
 	$(BIN)/ruff format .
 
 clean: ## remove the virtual environment and all that was built
-	rm -rf $(VENV) report/build report/report.pdf data
+	rm -rf $(VENV) report/build report/report.pdf report/site report/site-build data
 
 # One stamp for each group of dependencies: what is installed is not installed again.
 $(VENV)/%.done: $(SETUP) | $(BIN)/python$(EXE)

@@ -5,21 +5,27 @@ of a sweep in progress) and returns a pandas table, or None where it needs a
 real mesh that is not downloaded.
 """
 
+import multiprocessing
+import os
 import warnings
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
 from functools import wraps
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from meshfair import StabilityWarning, datasets, experiments
+from grid_results import regret
+from meshfair import StabilityWarning, _fast, datasets, experiments
 from meshfair.experiments.original import F16_DECIBELS, KNOT_DECIBELS
 
 Make = Callable[..., pd.DataFrame | None]
 
 SEED = 1  # of every single-draw experiment
 JET_NOISE: dict[str, Any] = {"noise": "normals", "size": 0.3}
+JET_TIMES = {"early": 0.6, "halfway": 2.0, "late": 4.0}  # at which the jet is shown
+BUNNY_STEPS = 5  # of averaging, after which the bunny is shown
 QUALITY_NOISE = 0.2  # along the normals, in mean edge lengths
 
 
@@ -113,12 +119,14 @@ def agreement(**_: Any) -> pd.DataFrame:
 
 
 def quality(journal: Path, **_: Any) -> pd.DataFrame:
-    """Every filter, with default, automatic and tuned parameters."""
+    """Every filter, with default, automatic and tuned parameters: on all cores, for it is long."""
     meshes = ["box", "torus", "knot", "jet"]
     for mesh, pair in experiments.PAIRS.items():
         if datasets.find(pair.ground_truth) and datasets.find(pair.noisy):
-            meshes.append(mesh)
-    return experiments.quality(meshes, QUALITY_NOISE, SEED, path=journal)
+            meshes.insert(0, mesh)  # the large ones first, so that no core waits for them
+    context = multiprocessing.get_context("spawn")  # threads of compiled loops bear no fork
+    with ProcessPoolExecutor(os.cpu_count(), context, _fast.use_one_core) as workers:
+        return experiments.quality(meshes, QUALITY_NOISE, SEED, executor=workers, path=journal)
 
 
 def missiles(**_: Any) -> pd.DataFrame:
@@ -126,11 +134,16 @@ def missiles(**_: Any) -> pd.DataFrame:
     return experiments.averaging_for_missiles(QUALITY_NOISE, SEED)
 
 
+def kernel_transfer(**_: Any) -> pd.DataFrame:
+    """Kernels learned from one mesh and tried on another, with the same noise."""
+    return experiments.kernel_transfer(size=QUALITY_NOISE, seed=SEED)
+
+
 TABLES = {
     make.__name__: make
     for make in (
         table_1, distance_readings, knot, eigenvalues, jet, jet_parts, jet_without_missiles,
         f16, bunny, large_sphere, reduction, origin_shift, agreement, quality,
-        missiles,
+        missiles, kernel_transfer, regret,
     )
 }  # fmt: skip

@@ -1,4 +1,4 @@
-"""The five assignments: what students get, and what right and wrong answers earn."""
+"""The six assignments: what students get, and what right and wrong answers earn."""
 
 import importlib.util
 import json
@@ -19,7 +19,7 @@ from meshfair_grading.generate import ASSIGNMENTS, drifted, main
 from meshfair_grading.source import HIDDEN, MARKER, SOLUTION, Source
 from meshfair_grading.students import NotebookStudent
 
-NAMES = ("a1", "a2", "a3", "a4", "a5")
+NAMES = ("a1", "a2", "a3", "a4", "a5", "a6")
 SOURCES = {name: Source.read(ASSIGNMENTS / "source" / f"{name}.py") for name in NAMES}
 LOADED = {name: source.load() for name, source in SOURCES.items()}
 WRONG = sorted((Path(__file__).parent / "wrong_solutions").glob("*.py"))
@@ -287,7 +287,7 @@ def run_all(client):
 
 @pytest.fixture
 def nbgrader_course(tmp_path, monkeypatch):
-    """A course of nbgrader with all five sources, and its interface."""
+    """A course of nbgrader with all six sources, and its interface."""
     # It calls a program of its environment, which need not be the active one.
     monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}:{os.environ['PATH']}")
     pytest.importorskip("nbgrader", reason="nbgrader is not installed")

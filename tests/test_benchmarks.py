@@ -1,4 +1,5 @@
 import csv
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -13,12 +14,16 @@ def rows(path):
         return list(csv.DictReader(file))
 
 
-def test_a_quick_benchmark_agrees_and_writes_its_tables(tmp_path):
-    done = subprocess.run(
-        [sys.executable, str(BENCH), "--quick", "--results", str(tmp_path)],
+def quick(folder, *options):
+    return subprocess.run(
+        [sys.executable, str(BENCH), "--quick", "--results", str(folder), *options],
         capture_output=True,
         text=True,
     )
+
+
+def test_a_quick_benchmark_agrees_and_writes_its_tables(tmp_path):
+    done = quick(tmp_path)
     assert done.returncode == 0, done.stderr
     measured = rows(tmp_path / "bench.csv")
     steps = {"step", "steps", "step in order", "steps in order"}
@@ -29,8 +34,9 @@ def test_a_quick_benchmark_agrees_and_writes_its_tables(tmp_path):
         assert row["agrees"] in ("True", "not the same"), row
         assert float(row["seconds"]) > 0
         assert row["rounds"] == "1"
-    methods = [row["method"] for row in rows(tmp_path / "filters.csv")]
-    assert methods == denoising.methods()
+    filters = rows(tmp_path / "filters.csv")
+    assert [row["method"] for row in filters] == denoising.methods()
+    assert all(float(row["plain_seconds"]) > 0 for row in filters)
     assert len(rows(tmp_path / "starting.csv")) == 3
     files = rows(tmp_path / "files.csv")
     assert [row["format"] for row in files] == [
@@ -49,3 +55,18 @@ def test_a_quick_benchmark_agrees_and_writes_its_tables(tmp_path):
     assert {"processor", "cores", "numba"} <= {
         row["what"] for row in rows(tmp_path / "machine.csv")
     }
+
+    # One task alone: its rows are new, all others stay, on this machine only.
+    done = quick(tmp_path, "--task", "flow")
+    assert done.returncode == 0, done.stderr
+    again = rows(tmp_path / "bench.csv")
+    assert [(row["task"], row["contender"]) for row in again] == [
+        (row["task"], row["contender"]) for row in measured
+    ]
+    assert {row["task"] for row, old in zip(again, measured, strict=True) if row != old} == {"flow"}
+    machine = tmp_path / "machine.csv"
+    machine.write_text(re.sub(r"(?m)^numba,.*", "numba,0.1", machine.read_text()))
+    done = quick(tmp_path, "--task", "flow")
+    assert done.returncode != 0
+    assert "numba 0.1, and here" in done.stderr
+    assert rows(tmp_path / "bench.csv") == again

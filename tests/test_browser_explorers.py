@@ -33,6 +33,7 @@ EXPLORERS = {
     "jet": "explorers.JetExplorer(detail=0.5, iterations=10)",
     "own-mesh": "explorers.DenoisingExplorer(V_noisy, F, iterations=8)",
     "filters": "explorers.FilterExplorer(meshes)",
+    "kernels": "explorers.KernelExplorer(meshes)",
     "neighbourhood": "explorers.NeighbourhoodExplorer(V, F)",
     "eigenmodes": "explorers.EigenmodeExplorer(V, F)",
     "low-pass": "explorers.LowPassExplorer(V, F)",
@@ -40,7 +41,7 @@ EXPLORERS = {
 SCREENS = ((1440, 900), (1024, 768))
 # Milliseconds without a new frame after which an explorer has come to rest: where work takes
 # long, the bar that tells of it appears only after 300.
-QUIET = dict.fromkeys(EXPLORERS, 150) | {"filters": 500}
+QUIET = dict.fromkeys(EXPLORERS, 150) | {"filters": 500, "kernels": 1500}
 
 # The places of an explorer's parts, and of the part of the notebook that is in sight.
 PLACES = """explorer => {

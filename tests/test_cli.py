@@ -162,6 +162,10 @@ def test_noise_is_that_of_the_package(run, knot, tmp_path):
         "normals": (sigma, lambda rng: noise.along_normals(V, F, 0.3, rng)),
         "gaussian": (sigma, lambda rng: noise.gaussian(V, F, 0.3, rng)),
         "uniform": (["--amplitude", 8], lambda rng: noise.uniform(V, 8, rng)),
+        "correlated": (
+            [*sigma, "--steps", 2],
+            lambda rng: noise.correlated(V, F, 0.3, rng, steps=2),
+        ),
         "impulsive": (
             [*sigma, "--fraction", 0.5],
             lambda rng: noise.impulsive(V, F, 0.3, 0.5, rng),
@@ -200,6 +204,7 @@ def test_no_noise_has_an_infinite_snr_in_json_too(run, knot, tmp_path):
         (["--sigma", "nan"], "sigma"),
         (["--seed", "-3"], "--seed is -3"),
         (["--model", "impulsive", "--fraction", "2"], "fraction"),
+        (["--model", "correlated", "--steps", "-1"], "--steps is -1"),
     ],
 )
 def test_wrong_noise_is_refused_and_nothing_is_written(run, knot, tmp_path, words, message):
@@ -792,7 +797,11 @@ def test_wrong_parameters_are_told_before_a_mesh_is_read(run, tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ("--sigma 1 --model uniform --amplitude 1", "--sigma is for normals, gaussian, impulsive"),
+        (
+            "--sigma 1 --model uniform --amplitude 1",
+            "--sigma is for normals, gaussian, correlated, impulsive, and not for uniform",
+        ),
+        ("--steps 2", "--steps is for correlated, and not for normals"),
         ("--fraction 0.5", "--fraction is for impulsive, and not for normals"),
         ("--sigma -1e-3", "--sigma is -0.001; give a number of at least 0"),
         ("--sigma 0 --snr 20", "the noise is zero everywhere; no scale gives it an SNR"),
@@ -1052,6 +1061,53 @@ def test_a_check_that_fails_is_itself_a_finding(error, state, words):
 
 
 # --- the frame ----------------------------------------------------------------------------
+
+
+def broken_mesh():
+    """A sphere with fins: many non-manifold edges, so that what is found is a long line."""
+    V, F = shapes.icosphere(1)
+    fins = [[*F[0, :2], len(V) + k] for k in range(6)] + [[*f[:2], len(V)] for f in F[1:7]]
+    return np.vstack([V, 3 * V[:6]]), np.vstack([F, fins])
+
+
+@pytest.mark.parametrize("columns", [60, 80])
+def test_info_fits_the_terminal(run, tmp_path, monkeypatch, columns):
+    io.write(tmp_path / "s.off", *broken_mesh())
+    monkeypatch.setenv("COLUMNS", str(columns))
+    monkeypatch.chdir(tmp_path)
+    code, out, _ = run("info", "s.off")
+    assert code == 0
+    assert "problem: " in out
+    assert max(map(len, out.splitlines())) <= columns
+    monkeypatch.setenv("COLUMNS", "1000")
+    wide = run("info", "s.off")[1]
+    assert out.split() == wide.split()  # no word, and nothing that is to be typed, is broken
+
+
+@pytest.mark.parametrize("columns", [60, 80])
+def test_a_table_of_many_meshes_fits_the_terminal(run, tmp_path, monkeypatch, columns):
+    monkeypatch.chdir(tmp_path)
+    names = [f"a_rather_long_name_of_a_scan_of_a_sphere_number_{k}.ply" for k in range(2)]
+    for name in [*names, "short.ply"]:
+        io.write(name, *shapes.icosphere(1))
+    monkeypatch.setenv("COLUMNS", str(columns))
+    words = "denoise", *names, "short.ply", "--method", "guided-normal"
+    piped = run(*words, "--out", "a")[1]
+    assert all(name in piped for name in names)  # to programs names are told whole
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True, raising=False)
+    code, shown, _ = run(*words, "--out", "b")
+    assert code == 0
+    lines = shown.splitlines()
+    assert len(lines) == 5
+    assert max(map(len, lines)) <= columns
+    assert [line.split()[0][-5:] for line in lines[1:4]] == ["0.ply", "1.ply", "t.ply"]
+    assert lines[3].startswith("short.ply ")
+
+
+def test_a_clipped_name_has_its_beginning_and_its_end():
+    assert printing.clipped("0123456789abcdefghij", 20) == "0123456789abcdefghij"
+    assert printing.clipped("0123456789abcdefghij", 17) == "0123456...defghij"
+    assert printing.clipped("0123456789abcdefghij", -5) == "012345...defghij"
 
 
 @pytest.mark.parametrize("command", cli.COMMANDS)

@@ -6,6 +6,7 @@ import pytest
 import meshfair
 from meshes import pair
 from meshfair import denoising, filters, metrics, noise, operators, shapes, solve, weights
+from meshfair.denoising import registry
 
 NAMES = [
     "averaging", "heat", "implicit", "regularised", "taubin", "bilateral", "sun",
@@ -40,7 +41,8 @@ def test_a_method_is_its_filter_with_what_is_recorded(method, noisy_box):
     assert history["snr"].iloc[0] == metrics.snr(clean, V)
     assert history["snr"].iloc[-1] == metrics.snr(clean, result.V)
     assert history["normal_angle"].iloc[-1] == metrics.normal_angle(result.V, clean, F)
-    assert result.sure is None
+    assert result.ratio is None
+    assert result.reason is None
 
 
 @pytest.mark.parametrize("method", QUICK)
@@ -98,7 +100,7 @@ def test_progress_and_cancelling(noisy_box):
     assert seen[-1] == 1.0
     early = meshfair.denoise(V, F, "implicit", parameters="auto", callback=lambda p: False)
     assert not early.finished
-    assert early.sure is None
+    assert early.ratio is None
     np.testing.assert_array_equal(early.V, V)
 
 
@@ -115,7 +117,7 @@ def test_a_given_parameter_is_kept(noisy_box):
 
 def test_a_filter_of_ones_own(noisy_box, monkeypatch):
     V, clean, F = noisy_box
-    monkeypatch.setattr(denoising, "_METHODS", dict(denoising._METHODS))
+    monkeypatch.setattr(registry, "_METHODS", dict(registry._METHODS))
 
     @denoising.register(
         "halfway",
@@ -175,7 +177,7 @@ def test_a_known_noise_size_is_used(noisy_box, monkeypatch):
     auto = meshfair.denoise(V, F, "feature-convinced", parameters="auto", sigma=0.3)
     assert auto.parameters["noise"] == 0.3
 
-    monkeypatch.setattr(denoising, "_METHODS", dict(denoising._METHODS))
+    monkeypatch.setattr(registry, "_METHODS", dict(registry._METHODS))
 
     @denoising.register("by noise", noise="strength")
     def by_noise(V, F, *, strength=None, fixed=None):

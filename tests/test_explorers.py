@@ -45,6 +45,7 @@ def quick_pictures(monkeypatch):
         lambda: explorers.JetExplorer(detail=0.5, iterations=3),
         lambda: explorers.DenoisingExplorer(V, F, iterations=5),
         lambda: explorers.FilterExplorer(MESHES),
+        lambda: explorers.KernelExplorer(MESHES),
         lambda: explorers.NeighbourhoodExplorer(V, F),
         lambda: explorers.EigenmodeExplorer(V, F, iterations=5),
         lambda: explorers.LowPassExplorer(V, F),
@@ -79,6 +80,7 @@ def test_the_noise_explorer_shows_the_snr():
     [
         ("gaussian", lambda rng: noise.gaussian(V, F, 0.3, rng)),
         ("uniform", lambda rng: noise.uniform(V, 0.3 * mean_edge_length(V, F), rng)),
+        ("correlated", lambda rng: noise.correlated(V, F, 0.3, rng)),
         ("impulsive", lambda rng: noise.impulsive(V, F, 0.3, 0.1, rng)),
     ],
 )
@@ -389,7 +391,7 @@ def test_the_filter_explorer_points_the_camera_at_another_mesh():
 @pytest.fixture
 def endless(monkeypatch):
     """A method that yields until it is ended; tells that it is at work, and how often it began."""
-    monkeypatch.setattr(denoising, "_METHODS", dict(denoising._METHODS))
+    monkeypatch.setattr(denoising.registry, "_METHODS", dict(denoising.registry._METHODS))
     at_work, begun = threading.Event(), []
 
     @denoising.register("endless")

@@ -93,6 +93,9 @@ def points(mark):
             {"heat": 2.5},
         ),
         ("a3", "def heat(V, A, tau, steps):\n    return V\n", {"heat": 5}),
+        # A wrong fit, which the honest measure calls; wrong hats, on which all else rests.
+        ("a6", "def fit(G, N_true, ridge):\n    return G.sum(axis=(0, 2))\n", {"fit": 4}),
+        ("a6", "def hats(x, nodes):\n    return np.ones((len(x), len(nodes)))\n", {"hats": 4}),
     ],
 )
 def test_a_mistake_costs_where_it_was_made(name, code, lost, marked):
@@ -312,7 +315,8 @@ class SinglePrecision(Student):
 
 
 @pytest.mark.parametrize(
-    ("name", "seed"), [*((name, SEED) for name in NAMES), *((name, 5) for name in NAMES[:4])]
+    ("name", "seed"),
+    [(name, seed) for name in NAMES for seed in (SEED, 5) if (name, seed) != ("a5", 5)],
 )
 def test_single_precision_is_right_within_its_own(name, seed):
     report = Report(name, LOADED[name].mark(SinglePrecision(name), seed))

@@ -165,7 +165,7 @@ def meshfair(monkeypatch):
     ("submissions", "assignment", "message"),
     [
         ("no", "a5", "no is no folder"),
-        ("in", "a9", "there is no assignment a9; there are a1, a2, a3, a4, a5"),
+        ("in", "a9", "there is no assignment a9; there are a1, a2, a3, a4, a5, a6"),
         ("in", "no.py", "there is no file no.py"),
         ("in", __file__, "no instructor's file"),
     ],

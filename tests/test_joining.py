@@ -133,7 +133,7 @@ def test_a_filter_of_the_module_joins_too_and_yields_what_it_was_given_at_first(
 
 
 @joins
-@pytest.mark.parametrize("model", ["normals", "gaussian", "uniform", "impulsive"])
+@pytest.mark.parametrize("model", ["normals", "gaussian", "uniform", "correlated", "impulsive"])
 def test_noise_moves_all_copies_as_one(model):
     W, G = soup(V, F)
     rng = np.random.default_rng(5)

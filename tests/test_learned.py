@@ -15,7 +15,7 @@ from meshfair import denoising, filters, mesh, noise, operators, shapes, weights
 from meshfair.filters import face_network
 from meshfair.filters.face_network import Rings
 from meshfair.filters.guided_normal import Patches
-from meshfair.filters.learned import learned, moved, record, trained
+from meshfair.filters.learned import learned, move_and_unfold, record, trained
 from meshfair.filters.neighbourhoods import face_rings
 from meshfair.filters.normal_bank import COUNT, filtered_normals, surfaces
 from meshfair.filters.normal_filtering import (
@@ -136,7 +136,7 @@ def test_folded_faces_are_unfolded():
     over = mesh.face_normals(folded, F)[:, 2] < 0.8
     assert 0 < over.sum() < len(F)
     fixed = np.arange(len(V)) == F[over].ravel()[F[over].ravel() != 12][0]
-    found = moved(folded, F, B, A, N, fixed)
+    found = move_and_unfold(folded, F, B, A, N, fixed)
     for i in range(len(V)):
         expected = folded[i]
         if i in F[over] and not fixed[i]:  # in a plane, all of the shift is along the surface
@@ -145,7 +145,7 @@ def test_folded_faces_are_unfolded():
         np.testing.assert_allclose(found[i], expected, atol=1e-12)
     X = folded
     for _ in range(20):
-        X = moved(X, F, B, A, N, fixed)
+        X = move_and_unfold(X, F, B, A, N, fixed)
     assert (mesh.face_normals(X, F)[:, 2] > 0.8).all()
 
 
@@ -154,7 +154,7 @@ def test_a_face_that_is_not_turned_over_only_moves_to_its_plane(rng):
     B, N = incidence(F, len(V)), mesh.face_normals(V, F)
     A = operators.averaging(weights.combinatorial(F, len(V)))
     fixed = np.zeros(len(V), dtype=bool)
-    found = moved(V, F, B, A, N, fixed)
+    found = move_and_unfold(V, F, B, A, N, fixed)
     np.testing.assert_array_equal(found, move_vertices(V, F, B, N, fixed))
 
 

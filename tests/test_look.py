@@ -1,5 +1,9 @@
 """How meshes and figures look: scales, clicks, themes."""
 
+import json
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -12,6 +16,10 @@ from meshfair.viewer.picking import pick
 
 needs_egl = pytest.mark.skipif(not viewer.has_egl(), reason="polyscope cannot draw here: no EGL")
 V, F = shapes.torus(sections=24, sides=12)
+ROOT = Path(__file__).resolve().parent.parent
+FIGURE_CODE = {".py", ".js", ".ipynb", ".typ"}
+# The first of matplotlib's default colours, which are nearly those of the weights.
+MATPLOTLIBS_OWN = {"#1f77b4", "#ff7f0e", "#2ca02c", "#d62728"}
 
 # Scales
 
@@ -222,6 +230,8 @@ def test_figures_can_be_read_on_light_and_on_dark_pages(tmp_path):
         figure.savefig(tmp_path / "figure.png")
         written = [axes.title, axes.xaxis.label, *axes.get_xticklabels()]
         inks = {to_rgb(text.get_color()) for text in written}
+    inline = pytest.importorskip("matplotlib_inline.backend_inline")
+    assert inline._fetch_figure_metadata(figure) is None  # else the page puts a colour behind it
     pixels = mpl.image.imread(tmp_path / "figure.png")
     assert pixels[0, 0, 3] == 0
     assert pixels[pixels.shape[0] // 2, pixels.shape[1] // 2 + 30, 3] < 0.1  # within the axes
@@ -229,3 +239,61 @@ def test_figures_can_be_read_on_light_and_on_dark_pages(tmp_path):
         for page in ((1, 1, 1), (0.067, 0.067, 0.067)):  # JupyterLab's two
             low, high = sorted([luminance(ink), luminance(page)])
             assert (high + 0.05) / (low + 0.05) > 3  # WCAG's least for large letters and graphs
+
+
+# Colours and legends of curves
+
+
+def typed_colours(text):
+    """Colours written in code: by their hexadecimal numbers, or as matplotlib's tab:blue."""
+    from matplotlib.colors import to_hex
+
+    names = re.findall(r"#[0-9A-Fa-f]{6}\b|\btab:[a-z]+", text)
+    return {to_hex(name) for name in names}
+
+
+def test_no_figure_gives_a_colour_of_the_weights_to_anything_else():
+    from matplotlib.colors import to_hex
+
+    of_weights = {to_hex(colour) for colour in plotting.WEIGHT_COLORS.values()}
+    assert of_weights.isdisjoint(to_hex(colour) for colour in plotting.OTHER_COLORS)
+    folders = [ROOT / "report", ROOT / "notebooks", ROOT / "lib" / "meshfair"]
+    files = [p for folder in folders for p in folder.rglob("*") if p.suffix in FIGURE_CODE]
+    files = [p for p in files if "build" not in p.parts and p.name != "plotting.py"]
+    typed = {p.name: typed_colours(p.read_text(encoding="utf-8")) for p in files}
+    assert {name for name, colours in typed.items() if colours & of_weights} == set()
+    assert not [name for name, colours in typed.items() if colours & MATPLOTLIBS_OWN]
+
+
+def test_curves_without_a_colour_take_none_of_the_weights():
+    import matplotlib as mpl
+
+    for style in (plotting.STYLE, plotting.BOTH_THEMES):
+        with mpl.rc_context(style):
+            cycle = [given["color"] for given in mpl.rcParams["axes.prop_cycle"]]
+        assert cycle == list(plotting.OTHER_COLORS)
+
+
+def test_explorers_have_the_colours_of_figures():
+    script = (ROOT / "lib/meshfair/explorers/curves.js").read_text(encoding="utf-8")
+    given = re.search(r"const COLORS = (\[.*?\]);", script).group(1)
+    assert tuple(json.loads(given)) == plotting.OTHER_COLORS[: len(json.loads(given))]
+
+
+def test_a_legend_says_what_the_marks_mean():
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+    table = pd.DataFrame({"weights": ["distance"] * 3, "time": [0, 1, 2], "snr": [1.0, 3.0, 2.0]})
+    axes = Figure().subplots()
+    plotting.draw_curves(axes, table, "snr", best="max")
+    curve, mark = axes.lines
+    assert mark.get_xydata().tolist() == [[1, 3]]
+    plotting.legend(axes, "best time")
+    shown = axes.get_legend()
+    assert [text.get_text() for text in shown.get_texts()] == ["distance", "best time"]
+    (drawn,) = [h for h in shown.legend_handles if h.get_marker() != "None"]
+    assert drawn.get_marker() == mark.get_marker()
+    assert drawn.get_color() == mark.get_color() == curve.get_color()
+    plotting.legend(axes)
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["distance"]

@@ -1,3 +1,5 @@
+import copy
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -38,6 +40,41 @@ def test_impulsive_moves_its_share(rng):
     assert moved.sum() == round(0.1 * N)
 
 
+def test_correlated_noise_by_hand_on_one_triangle():
+    # Each corner's neighbours are the two others, so that all three draws are mixed by
+    # S = (2, 1, 1) / 4 and its turns; |S_i| is sqrt(6) / 4.
+    triangle = np.array([[0.0, 0, 0], [1, 0, 0], [0.5, np.sqrt(0.75), 0]])  # edges of length 1
+    found = noise.correlated(triangle, [[0, 1, 2]], 0.3, np.random.default_rng(8), steps=1)
+    R = np.random.default_rng(8).standard_normal(3)
+    np.testing.assert_allclose((found - triangle)[:, 2], 0.3 * (R + R.sum()) / np.sqrt(6))
+    assert np.array_equal(found[:, :2], triangle[:, :2])
+
+
+def test_correlated_noise_has_its_size_and_near_vertices_are_alike(rng):
+    draws = copy.deepcopy(rng)
+    moved = noise.correlated(V, F, 0.2, rng) - V
+    n = mesh.vertex_normals(V, F)
+    height = np.einsum("ij,ij->i", moved, n)
+    np.testing.assert_allclose(moved, height[:, None] * n, atol=1e-15)
+    i, j = mesh.Edges(F, N).ends.T
+    A = np.zeros((N, N))
+    A[i, j] = A[j, i] = 1
+    S = np.linalg.matrix_power((np.eye(N) + A / A.sum(axis=1, keepdims=True)) / 2, 3)
+    S /= np.linalg.norm(S, axis=1, keepdims=True)  # the same standard deviation everywhere
+    R = height / (0.2 * mesh.mean_edge_length(V, F))
+    np.testing.assert_allclose(R, S @ draws.standard_normal(N), atol=1e-12)
+    assert np.mean(R[i] * R[j]) > 0.6 * R.var()  # near ones are alike
+    one = noise.correlated(V, F, 0.2, np.random.default_rng(2), steps=0)
+    np.testing.assert_allclose(one, noise.along_normals(V, F, 0.2, np.random.default_rng(2)))
+
+
+def test_correlated_noise_leaves_vertices_without_faces():
+    W, G = np.vstack([V, [9.0, 9, 9]]), F
+    found = noise.correlated(W, G, 0.2, np.random.default_rng(1))
+    assert np.array_equal(found[-1], W[-1])
+    assert np.isfinite(found).all()
+
+
 @given(st.floats(-20, 120), st.integers(0, 2**32 - 1))
 def test_at_snr_meets_the_snr(decibels, seed):
     displacement = np.random.default_rng(seed).standard_normal(V.shape)
@@ -60,6 +97,7 @@ def test_the_same_seed_gives_the_same_noise_and_leaves_the_mesh_alone():
         lambda rng: noise.gaussian(V, F, 0.1, rng),
         lambda rng: noise.uniform(V, 0.1, rng),
         lambda rng: noise.impulsive(V, F, 0.1, 0.3, rng),
+        lambda rng: noise.correlated(V, F, 0.1, rng),
     ):
         a, b = (make(np.random.default_rng(5)) for _ in range(2))
         assert np.array_equal(a, b)
@@ -79,6 +117,7 @@ def test_size_follows_the_scale_of_the_mesh():
         ("normals", lambda rng: noise.along_normals(V, F, 0.2, rng)),
         ("gaussian", lambda rng: noise.gaussian(V, F, 0.2, rng)),
         ("uniform", lambda rng: noise.uniform(V, 0.2, rng)),
+        ("correlated", lambda rng: noise.correlated(V, F, 0.2, rng)),
     ],
 )
 def test_add_takes_a_model_by_name_and_a_size_or_an_snr(model, directly):
@@ -98,6 +137,7 @@ def test_add_takes_a_model_by_name_and_a_size_or_an_snr(model, directly):
         (lambda r: noise.uniform(V, np.nan, r), ValueError, "amplitude is nan"),
         (lambda r: noise.impulsive(V, F, 0.1, 1.5, r), ValueError, "fraction is 1.5"),
         (lambda r: noise.gaussian(V, F, 0.1, 7), TypeError, "rng is 7"),
+        (lambda r: noise.correlated(V, F, 0.1, r, steps=-1), ValueError, "steps is -1"),
         (
             lambda r: noise.add(V, F, "laser", r, size=1),
             ValueError,
@@ -188,6 +228,7 @@ def test_at_snr_keeps_the_direction():
         lambda sigma, rng: noise.gaussian(V, F, sigma, rng),
         lambda sigma, rng: noise.uniform(V, sigma, rng),
         lambda sigma, rng: noise.impulsive(V, F, sigma, 0.5, rng),
+        lambda sigma, rng: noise.correlated(V, F, sigma, rng),
     ],
 )
 def test_every_model_checks_its_size_and_its_generator(make, rng):

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import runpy
 from pathlib import Path
 
 import pytest
@@ -133,6 +134,23 @@ CHECKS = {
         assert explorer.result.finished and "dB" in explorer.table.value
         """,
     ),
+    "08": (
+        "SEGMENTS, SECTIONS, SIDES, SPLITS, DETAIL = 8, 40, 16, 2, 0.5",
+        """
+        assert difference < 1e-12 and abs(once @ once.T).max() < 1 + 1e-9
+        assert turn > 1.2  # on a smooth shape the weight rises with the angle
+        on_box = dict(zip(angles, across(tables["box"][0]), strict=True))
+        assert on_box[90] < on_box[60] / 2  # 90 degrees: the box's edges
+        assert by_pass["cascade"][-1] < by_pass["first table again and again"][-1] / 2
+        of_box, of_torus = errors.loc["learned from the box"], errors.loc["learned from the torus"]
+        assert of_box["box"] < of_torus["box"] / 2 and of_torus["torus"] < of_box["torus"]
+        assert on_own < on_others
+        assert near_edge["learned"] == min(near_edge.values())
+        assert missile_error(on_jet["learned"]) < missile_error(on_jet["heat"]) / 2
+        assert comparison["torus", "correlated"]["learned"] > best_of_others["torus", "correlated"]
+        assert (comparison.loc["learned"] < comparison.loc["noisy"]).all()
+        """,
+    ),
     "09": (
         "DRAWS = 1",
         """
@@ -153,12 +171,13 @@ CHECKS = {
 # Words of the field, as they begin: to be explained (in italics, bold or a heading, or by a link
 # to the glossary) in the first cell of the course that uses them.
 TERMS = [
-    "averaging operator", "combinatorial", "cotangent", "crease", "decibel", "displacement",
-    "duplicate", "eigenmode", "eigenvalue", "faces", "fixed vert", "forward Euler", "gain",
-    "ground truth", "handle", "heat equation", "Laplacian", "low-pass", "mean edge length",
-    "normal angle", "original report", "orthonormal", "probe", "risk", "signal-to-noise",
-    "spectral coefficient", "spectrum", "stable", "SURE", "time step", "transfer function",
-    "vertices", "weld", "white noise",
+    "averaging operator", "cascade", "combinatorial", "correlated", "cotangent", "crease",
+    "decibel", "displacement", "duplicate", "eigenmode", "eigenvalue", "faces", "fixed vert",
+    "forward Euler", "gain", "ground truth", "handle", "hat function", "heat equation", "kernel",
+    "Laplacian", "least squares", "low-pass", "mean edge length", "normal angle",
+    "original report", "orthonormal", "prior", "probe", "procedural", "risk", "signal-to-noise",
+    "spectral coefficient", "spectrum", "stable", "SURE", "time step", "training",
+    "transfer function", "vertices", "weld", "white noise",
 ]  # fmt: skip
 
 
@@ -214,6 +233,26 @@ def test_tells_its_goal_and_leads_on(notebook, path):
     assert linked
     for name in linked:
         assert (FOLDER / name).is_file(), name
+
+
+@each_notebook
+def test_begins_with_the_links_that_make_links_writes(notebook, path):
+    write_links = runpy.run_path(str(TESTS.parent / "data_scripts" / "write_links.py"))
+    text = "".join(notebook["cells"][0]["source"])
+    assert text == write_links["with_links"](text, path.name, write_links["addresses"]())
+
+
+def test_links_lead_to_the_addresses_of_the_project():
+    write_links = runpy.run_path(str(TESTS.parent / "data_scripts" / "write_links.py"))
+    urls = {"Repository": "https://github.com/a/b", "Documentation": "https://a.example/b/"}
+    assert write_links["line"]("01-x.ipynb", urls) == (
+        "[This notebook as a page](https://a.example/b/notebooks/01-x.html) · [run it on Binder]"
+        "(https://mybinder.org/v2/gh/a/b/main?urlpath=lab%2Ftree%2Fnotebooks%2F01-x.ipynb)"
+    )
+    elsewhere = {"Repository": "https://git.example/a/b"}
+    assert "/v2/git/https%3A%2F%2Fgit.example%2Fa%2Fb/main?" in write_links["line"](
+        "01-x.ipynb", elsewhere
+    )
 
 
 # Third parties' own: jupyter_client's and zmq's, on their way to newer versions.

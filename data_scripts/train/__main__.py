@@ -17,16 +17,17 @@ from pathlib import Path
 import numpy as np
 import torch
 import validation
+from arrays import Mesh
 from examples import KINDS, LARGEST, Example, Surface, noisy
 from learn import learn
 from network import Stage
 from score import score
-from shapes import Mesh, shape
+from shapes import shape
 
 from meshfair import mesh, noise, operators, weights
 from meshfair import shapes as built_in
 from meshfair.checks import Floats
-from meshfair.filters.learned import moved
+from meshfair.filters.learned import move_and_unfold
 
 ROOT = Path(__file__).resolve().parents[2]
 WEIGHTS = ROOT / "lib" / "meshfair" / "filters" / "learned.npz"
@@ -111,7 +112,7 @@ def passes(stages: list[Stage], surface: Surface, V: Floats) -> Iterator[tuple[E
         with torch.no_grad():
             wanted = stage(*example.inputs).numpy().astype(float)
         for _ in range(MOVES):
-            V = moved(V, F, surface.B, A, wanted, free)
+            V = move_and_unfold(V, F, surface.B, A, wanted, free)
         example = Example(surface, V, np.stack([of_input, wanted], axis=1))
         yield example, V
 

@@ -1,10 +1,9 @@
 """Smooth surfaces on regular grids, often coarse, their cells cut along either diagonal."""
 
 import numpy as np
+from arrays import Mesh
 
 from meshfair.checks import Floats, Integers
-
-Mesh = tuple[Floats, Integers]
 
 
 def grid(rng: np.random.Generator) -> Mesh:

@@ -1,15 +1,14 @@
 """The shapes that the network learns from: made here, each from its number."""
 
 import numpy as np
+from arrays import Mesh, compact
 from grids import grid
 from solids import solid, thin
 from surfaces import blobs, rounded, sheets
-from tessellations import WAYS, compact, cut, isotropic, subdivided, with_detail
+from tessellations import WAYS, cut, isotropic, subdivided, with_detail
 
 from meshfair import mesh
 from meshfair.checks import Floats, Integers
-
-Mesh = tuple[Floats, Integers]
 
 # Generators, how often each is taken, and how often its shapes get fine detail.
 SHARP = {solid: (0.33, 0.1), thin: (0.1, 0.1)}

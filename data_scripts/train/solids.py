@@ -2,10 +2,7 @@
 
 import manifold3d as m3
 import numpy as np
-
-from meshfair.checks import Floats, Integers
-
-Mesh = tuple[Floats, Integers]
+from arrays import Mesh, triangles
 
 
 def solid(rng: np.random.Generator) -> Mesh:
@@ -37,12 +34,6 @@ def thin(rng: np.random.Generator) -> Mesh:
         part = _placed(part, rng, 0.5)
         body = body + part if rng.random() < 0.8 else body - part
     return triangles(body)
-
-
-def triangles(body: m3.Manifold) -> Mesh:
-    """Its vertices and faces."""
-    mesh = body.to_mesh()
-    return np.array(mesh.vert_properties[:, :3], float), np.array(mesh.tri_verts, np.int64)
 
 
 def _simple(rng: np.random.Generator) -> m3.Manifold:

@@ -1,11 +1,11 @@
 """Smooth surfaces and rounded solids, as level sets of functions of space."""
 
 import numpy as np
+from arrays import Mesh
 from skimage.measure import marching_cubes
+from waves import waves
 
-from meshfair.checks import Floats, Integers
-
-Mesh = tuple[Floats, Integers]
+from meshfair.checks import Floats
 
 HALF = 1.5  # the level sets lie in a cube of twice this
 
@@ -17,7 +17,7 @@ def blobs(rng: np.random.Generator, cells: int) -> Mesh:
     for _ in range(rng.integers(2, 14)):
         centre, size = rng.uniform(-0.8, 0.8, 3), rng.uniform(0.1, 0.5)
         f += np.exp(-(((P - centre) * rng.uniform(0.5, 1.3, 3)) ** 2).sum(-1) / (2 * size**2))
-    f += rng.uniform(0, 0.12) * _waves(P, rng, rng.uniform(3, 9))
+    f += rng.uniform(0, 0.12) * waves(P, rng.uniform(3, 9), rng)
     return _level_set(rng.uniform(0.3, 0.55) - f)
 
 
@@ -38,7 +38,7 @@ def rounded(rng: np.random.Generator, cells: int) -> Mesh:
 def sheets(rng: np.random.Generator, cells: int) -> Mesh:
     """The zero set of a random sum of waves: saddles and necks everywhere, open at a sphere."""
     P = _grid(cells)
-    f = _waves(P, rng, rng.uniform(2, 4.5))
+    f = waves(P, rng.uniform(2, 4.5), rng)
     outside = np.linalg.norm(P, axis=-1) - rng.uniform(0.9, 1.3)
     return _level_set(_soft_maximum(f * 0.15, outside, 0.02))
 
@@ -46,15 +46,6 @@ def sheets(rng: np.random.Generator, cells: int) -> Mesh:
 def _grid(cells: int) -> Floats:
     x = np.linspace(-HALF, HALF, cells)
     return np.stack(np.meshgrid(x, x, x, indexing="ij"), axis=-1)
-
-
-def _waves(P: Floats, rng: np.random.Generator, frequency: float) -> Floats:
-    f = np.zeros(P.shape[:-1])
-    for _ in range(8):
-        k = rng.normal(size=3)
-        k *= frequency * rng.uniform(0.5, 1.2) / np.linalg.norm(k)
-        f += np.sin(P @ k + rng.uniform(0, 2 * np.pi)) / 2
-    return f
 
 
 def _distance(P: Floats, rng: np.random.Generator, shift: float) -> Floats:

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pymeshlab as ml
+from arrays import Mesh, compact
+from waves import waves
 
 from meshfair import mesh
 from meshfair.checks import Floats, Integers
-
-Mesh = tuple[Floats, Integers]
 
 CREASE = 25  # degrees: dihedral angles above are kept by remeshing
 
@@ -75,7 +75,7 @@ def with_detail(V: Floats, F: Integers, rng: np.random.Generator) -> Floats:
     for _ in range(rng.integers(1, 4)):
         width = length * np.exp(rng.uniform(np.log(1.5), np.log(12)))
         steepness = np.exp(rng.uniform(np.log(0.04), np.log(0.6)))
-        f = _waves(V, 2 * np.pi / (2 * width), rng)
+        f = waves(V, 2 * np.pi / (2 * width), rng)
         kind = rng.integers(4)
         if kind == 1:  # wrinkles: sharp along lines
             f = -np.abs(f)
@@ -85,7 +85,7 @@ def with_detail(V: Floats, F: Integers, rng: np.random.Generator) -> Floats:
         elif kind == 3:  # separate bumps, or dents
             f = rng.choice([-1, 1]) * np.maximum(f - 0.5, 0) * 2
         if rng.random() < 0.6:
-            mask = _waves(V, 2 * np.pi / (length * rng.uniform(20, 60)), rng)
+            mask = waves(V, 2 * np.pi / (length * rng.uniform(20, 60)), rng)
             f = f * np.clip(0.5 + 2 * mask, 0, 1)
         V = V + (steepness * width / np.pi * f)[:, None] * N
     return V
@@ -100,18 +100,6 @@ def cut(V: Floats, F: Integers, rng: np.random.Generator) -> Mesh:
     if rng.random() < 0.3:
         keep &= np.linalg.norm(C - C[rng.integers(len(C))], axis=1) > rng.uniform(0.05, 0.3)
     return compact(V, F[keep])
-
-
-def compact(V: Floats, F: Integers) -> Mesh:
-    """Without the vertices that no face has."""
-    used, F = np.unique(F, return_inverse=True)
-    return V[used], F.reshape(-1, 3)
-
-
-def _waves(V: Floats, frequency: float, rng: np.random.Generator) -> Floats:
-    K = rng.normal(size=(12, 3))
-    K *= frequency * rng.uniform(0.6, 1.2, (12, 1)) / np.linalg.norm(K, axis=1, keepdims=True)
-    return np.sin(V @ K.T + rng.uniform(0, 2 * np.pi, 12)).sum(axis=1) / np.sqrt(6)
 
 
 def _taken(tool: ml.MeshSet) -> Mesh:

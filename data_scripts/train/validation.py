@@ -8,14 +8,12 @@ from collections.abc import Callable
 
 import manifold3d as m3
 import numpy as np
+from arrays import Mesh, compact, triangles
 from scipy.spatial import ConvexHull
 from skimage.measure import marching_cubes
 from tessellations import decimated, isotropic
 
 from meshfair import shapes as built_in
-from meshfair.checks import Floats, Integers
-
-Mesh = tuple[Floats, Integers]
 
 FACES = 6_000
 
@@ -33,7 +31,7 @@ def gear() -> Mesh:
     body = m3.CrossSection([ring]).extrude(0.3)
     body += m3.CrossSection.circle(0.4, 80).extrude(0.55)
     body -= m3.CrossSection.circle(0.2, 80).extrude(2).translate((0, 0, -1))
-    return _remeshed(_of(body))
+    return _remeshed(triangles(body))
 
 
 def turned() -> Mesh:
@@ -43,7 +41,7 @@ def turned() -> Mesh:
     fillet = np.column_stack([0.5 - 0.25 * np.sin(arc), 0.55 - 0.25 * np.cos(arc)])
     corners += [tuple(p) for p in fillet]
     corners += [(0.25, 1.2), (0.45, 1.35), (0.45, 1.5), (0, 1.7)]
-    return _remeshed(_of(m3.CrossSection([np.array(corners)]).revolve(120)))
+    return _remeshed(triangles(m3.CrossSection([np.array(corners)]).revolve(120)))
 
 
 def crystal() -> Mesh:
@@ -52,13 +50,11 @@ def crystal() -> Mesh:
     P = rng.normal(size=(28, 3))
     hull = ConvexHull(P / np.linalg.norm(P, axis=1, keepdims=True) * [1, 0.8, 1.2])
     F = hull.simplices.astype(np.int64)
-    N = np.cross(P[F[:, 1]] - P[F[:, 0]], P[F[:, 2]] - P[F[:, 0]])
     V = hull.points
     N = np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]])
     inward = np.sum(N * hull.equations[:, :3], axis=1) < 0
     F[inward] = F[inward][:, ::-1]
-    used, F = np.unique(F, return_inverse=True)
-    return _remeshed((V[used], F.reshape(-1, 3)))
+    return _remeshed(compact(V, F))
 
 
 def bracket() -> Mesh:
@@ -69,7 +65,7 @@ def bracket() -> Mesh:
         body += rib.rotate((90, 0, 0)).translate((0.1, y, 0.1))
     for x, y in ((1.2, 0.25), (1.2, 0.75), (0.7, 0.5)):
         body -= m3.Manifold.cylinder(1, 0.09, 0.09, 40, True).translate((x, y, 0))
-    return decimated(*_of(body), FACES, np.random.default_rng(1))
+    return decimated(*triangles(body), FACES, np.random.default_rng(1))
 
 
 def superquadric() -> Mesh:
@@ -139,11 +135,6 @@ SHAPES = SHARP | SMOOTH
 
 def _icosphere() -> Mesh:
     return isotropic(*built_in.icosphere(5), FACES, np.random.default_rng(0))
-
-
-def _of(body: m3.Manifold) -> Mesh:
-    data = body.to_mesh()
-    return np.array(data.vert_properties[:, :3], float), np.array(data.tri_verts, np.int64)
 
 
 def _remeshed(raw: Mesh) -> Mesh:

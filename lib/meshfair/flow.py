@@ -101,12 +101,11 @@ def heat(
     fixed : array_like, optional
         Vertices that keep their place, as a boolean mask (n,) or as indices.
 
-    Yields
-    ------
-    time : float
-        0, tau, 2 tau, ...
-    V : ndarray of float64, shape (n, 3)
-        A new array at each step; the iterator holds only two.
+    Returns
+    -------
+    iterator of (float, ndarray of float64, shape (n, 3))
+        Times 0, tau, 2 tau, ... and the positions then: a new array at each
+        step; the iterator holds only two.
 
     Raises
     ------
@@ -184,12 +183,20 @@ def best_stopping(
 ) -> BestStopping:
     """The stopping time at which the heat flow's SNR is highest (the original report, Table 1).
 
-    Parameters and errors are those of `snr_curve`.
+    Parameters
+    ----------
+    V, V_true, A, tau, time, fixed
+        As in `snr_curve`.
 
     Returns
     -------
     BestStopping
         time, snr in decibels, gain in percent of the noisy mesh's SNR.
+
+    Raises
+    ------
+    MeshError, ValueError
+        As `snr_curve`.
     """
     curve = snr_curve(V, V_true, A, tau, time, fixed=fixed)
     start = curve[0, 1]

@@ -121,13 +121,26 @@ def cotangent(V: ArrayLike, F: ArrayLike, *, mollify: float = 1e-6) -> csr_array
 def delaunay(V: ArrayLike, F: ArrayLike, *, mollify: float = 1e-6) -> Triangulation:
     """The intrinsic Delaunay triangulation of a mesh, or of its tufted cover.
 
-    Parameters, errors and warnings are those of `cotangent`.
+    Parameters
+    ----------
+    V, F, mollify
+        As in `cotangent`.
 
     Returns
     -------
     Triangulation
         Of the mesh itself where it is closed, manifold and consistently
         oriented, and else of its tufted cover, with two sheets.
+
+    Raises
+    ------
+    MeshError, ValueError
+        As `cotangent`.
+
+    Warns
+    -----
+    MeshWarning
+        As `cotangent`.
     """
     V, F = check_mesh(V, F)
     mollify = check_number(mollify, "mollify", 0, 1)

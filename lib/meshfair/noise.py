@@ -10,12 +10,14 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.sparse import csr_array, eye_array
 
 from meshfair.checks import (
     Floats,
     Integers,
     MeshError,
     check_choice,
+    check_count,
     check_mesh,
     check_number,
     check_rng,
@@ -23,7 +25,7 @@ from meshfair.checks import (
     check_vertices,
     warn,
 )
-from meshfair.mesh import mean_edge_length, vertex_normals
+from meshfair.mesh import Edges, mean_edge_length, vertex_normals
 from meshfair.mesh.joining import on_joined
 from meshfair.mesh.objects import takes_meshes
 
@@ -79,11 +81,19 @@ def _warn_of_cancelled(normals: Floats, F: Integers) -> None:
 def gaussian(V: ArrayLike, F: ArrayLike, sigma: float, rng: np.random.Generator) -> Floats:
     """Isotropic Gaussian noise: each coordinate moved by eps N(0, 1).
 
-    Parameters, errors and eps are those of `along_normals`.
+    Parameters
+    ----------
+    V, F, sigma, rng
+        As in `along_normals`.
 
     Returns
     -------
     ndarray of float64, shape (n, 3)
+
+    Raises
+    ------
+    MeshError, ValueError, TypeError
+        As `along_normals`.
     """
     V, F = check_mesh(V, F)
     eps = check_number(sigma, "sigma", 0) * mean_edge_length(V, F)
@@ -154,6 +164,61 @@ def impulsive(
     return V_noisy
 
 
+@takes_meshes
+@on_joined
+def correlated(
+    V: ArrayLike, F: ArrayLike, sigma: float, rng: np.random.Generator, steps: int = 3
+) -> Floats:
+    """Noise along the normals that neighbours share, as scanners leave it.
+
+    v~_i = v_i + eps (S R)_i / |S_i| n_i with eps and R ~ N(0, 1) as in `along_normals`, and
+    S = ((I + A) / 2)^steps, where A takes the mean over the neighbours. Each vertex's
+    displacement has the same standard deviation, eps, and those of near vertices
+    are alike: what is smooth looks like shape, and is hard to tell from it.
+
+    Parameters
+    ----------
+    V : array_like, shape (n, 3)
+    F : array_like of integers, shape (m, 3)
+    sigma : float
+        Standard deviation, as a fraction of the mean edge length.
+    rng : numpy.random.Generator
+    steps : int
+        How often neighbours are averaged, at least 0: the noise is alike over about the
+        square root of this many edges; 0 is `along_normals`.
+
+    Returns
+    -------
+    ndarray of float64, shape (n, 3)
+
+    Raises
+    ------
+    MeshError, ValueError, TypeError
+        As `along_normals`, or ``steps`` no whole number of at least 0.
+    """
+    V, F = check_mesh(V, F)
+    eps = check_number(sigma, "sigma", 0) * mean_edge_length(V, F)
+    R = check_rng(rng).standard_normal((len(V), 1))
+    S = _spreading(F, len(V), check_count(steps, "steps", 0))
+    size = np.sqrt(S.power(2).sum(axis=1))[:, None]
+    normals = vertex_normals(V, F)
+    _warn_of_cancelled(normals, F)
+    return V + eps * (S @ R) / size * normals
+
+
+def _spreading(F: Integers, n: int, steps: int) -> csr_array:
+    """((I + A) / 2)^steps, with A the mean over the neighbours."""
+    i, j = Edges(F, n).ends.T
+    rows, columns = np.concatenate([i, j]), np.concatenate([j, i])
+    degree = np.bincount(rows, minlength=n)
+    A = csr_array((1 / degree[rows], (rows, columns)), shape=(n, n))
+    half = (eye_array(n, format="csr") + A) / 2
+    S = csr_array(eye_array(n, format="csr"))
+    for _ in range(steps):
+        S = S @ half
+    return S
+
+
 def at_snr(V: ArrayLike, displacement: ArrayLike, decibels: float) -> Floats:
     """Scale a displacement so that the noisy mesh has just the SNR asked for.
 
@@ -193,6 +258,7 @@ MODELS: dict[str, Callable[[Floats, ArrayLike, float, np.random.Generator], Floa
     "normals": along_normals,
     "gaussian": gaussian,
     "uniform": on_joined(lambda V, F, size, rng: uniform(V, size, rng)),
+    "correlated": correlated,
 }
 """The noise models of one size by name, as functions of V, F, the size and the generator."""
 
@@ -213,7 +279,7 @@ def add(
     ----------
     V : array_like, shape (n, 3)
     F : array_like of integers, shape (m, 3)
-    model : {"normals", "gaussian", "uniform"}
+    model : {"normals", "gaussian", "uniform", "correlated"}
         One of `MODELS`.
     rng : numpy.random.Generator
     size : float, optional

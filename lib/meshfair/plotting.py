@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 # One colour for each weights, told apart by colour-blind readers too (Okabe, Ito).
 WEIGHT_COLORS = {"combinatorial": "#0072B2", "distance": "#D55E00", "cotangent": "#009E73"}
 WEIGHT_MARKS = {"combinatorial": "o", "distance": "s", "cotangent": "^"}
+# All that is no weights, such as filters: none of the colours above, and read on any paper.
+OTHER_COLORS = ("#AF58BA", "#A68A00", "#808080", "#8C6D5A", "#D4668F")
+CYCLE = f"cycler('color', {list(OTHER_COLORS)})"
 
 STYLE: dict[Any, Any] = {  # any of matplotlib's names, which differ between its versions
     "axes.grid": True,
@@ -24,6 +27,7 @@ STYLE: dict[Any, Any] = {  # any of matplotlib's names, which differ between its
     "axes.titlesize": 10,
     "axes.labelsize": 9.5,
     "figure.constrained_layout.use": True,
+    "axes.prop_cycle": CYCLE,
     "axes.formatter.use_mathtext": True,  # cmr10 has no minus sign of its own
     "font.family": "serif",
     "font.serif": ["cmr10"],
@@ -40,11 +44,12 @@ STYLE: dict[Any, Any] = {  # any of matplotlib's names, which differ between its
 
 # Read on white and on nearly black paper alike; what is behind them is the page.
 BOTH_THEMES: dict[Any, Any] = {
-    **dict.fromkeys(
-        ("text.color", "axes.labelcolor", "axes.titlecolor", "xtick.color", "ytick.color"),
-        "#808080",
-    ),
+    **dict.fromkeys(("text.color", "axes.labelcolor", "axes.titlecolor", "xtick.color"), "#808080"),
+    # Where all ticks are lighter than half, or all darker, IPython has the page put black or
+    # white behind the figure. With one of each, by a hair, it leaves it alone.
+    "ytick.color": "#7f7f7f",
     "axes.edgecolor": "#808080",
+    "axes.prop_cycle": CYCLE,
     "axes.facecolor": "none",
     "figure.facecolor": "none",
     "grid.color": "#808080",
@@ -131,3 +136,32 @@ def draw_curves(
         if best:
             top = rows.loc[rows[y].idxmax() if best == "max" else rows[y].idxmin()]
             axes.plot(top[x], top[y], WEIGHT_MARKS[name], color=colour, markersize=5)
+
+
+def legend(axes: Axes, best: str | None = None, **options: Any) -> None:
+    """A legend of what is drawn and of the marks at the best points.
+
+    Parameters
+    ----------
+    axes : matplotlib Axes
+        With the curves of `draw_curves`.
+    best : str, optional
+        What the marks stand for, such as "best time"; without it they have no entry.
+    **options
+        Passed to ``Axes.legend``.
+    """
+    from matplotlib.legend_handler import HandlerTuple
+    from matplotlib.lines import Line2D
+
+    curves, labels = axes.get_legend_handles_labels()
+    handles: list[Any] = list(curves)
+    if best:
+        marks = (
+            Line2D([], [], ls="", marker=mark, color=WEIGHT_COLORS[name], markersize=4.5)
+            for name, mark in WEIGHT_MARKS.items()
+            if name in labels
+        )
+        handles.append(tuple(marks))
+        labels.append(best)
+    handlers = {tuple: HandlerTuple(ndivide=None, pad=0.3)}
+    axes.legend(handles, labels, handler_map=handlers, **options)

@@ -102,6 +102,11 @@ def coefficients(V: ArrayLike, W: sparray, Phi: Floats) -> Floats:
     -------
     ndarray of float64, shape (n,)
         Their squares sum to sum_i d_i |v_i|^2.
+
+    Raises
+    ------
+    MeshError
+        No vertex positions.
     """
     return np.linalg.norm(Phi.T @ (degrees(W)[:, None] * check_vertices(V)), axis=1)
 
@@ -122,6 +127,11 @@ def filtered(V: ArrayLike, W: sparray, Phi: Floats, factors: ArrayLike) -> Float
     Returns
     -------
     ndarray of float64, shape (n, 3)
+
+    Raises
+    ------
+    MeshError
+        No vertex positions.
     """
     factors = np.asarray(factors, dtype=float)[:, None]
     return Phi @ (factors * (Phi.T @ (degrees(W)[:, None] * check_vertices(V))))

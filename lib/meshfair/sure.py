@@ -10,13 +10,17 @@ References
    Biometrika 81, 1994.
 """
 
+from itertools import accumulate
+from operator import matmul
+
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.sparse import eye_array
+from scipy.sparse import csr_array, eye_array
 
 from meshfair import weights
 from meshfair.checks import (
     Floats,
+    Integers,
     MeshError,
     check_mesh,
     check_number,
@@ -58,16 +62,32 @@ def noise_by_differences(V: ArrayLike, F: ArrayLike) -> float:
         No mesh.
     """
     V, F = check_mesh(V, F)
-    A = averaging(weights.combinatorial(F, len(V)))
-    R = eye_array(len(V), format="csr") - A
-    K = R @ R @ R
+    R, _, K = high_passes(F, len(V), 3)
     size = np.sqrt(K.power(2).sum(axis=1))
     inside = size > 0  # a vertex without faces has no neighbours
     length = mean_edge_length(V, F)
     if length == 0:
         return 0.0
-    heights = np.sum((K @ V) * vertex_normals(A @ V, F), axis=1)[inside] / size[inside]
+    heights = np.sum((K @ V) * vertex_normals(V - R @ V, F), axis=1)[inside] / size[inside]
     return float(np.median(np.abs(heights)) / 0.6745 / length)
+
+
+def high_passes(F: Integers, n: int, powers: int) -> list[csr_array]:
+    """The operators K = (I - W~)^p for p = 1 .. powers and equal weights: high-pass filters.
+
+    Parameters
+    ----------
+    F : ndarray of int64, shape (m, 3)
+    n : int
+        Number of vertices.
+    powers : int
+
+    Returns
+    -------
+    list of csr_array, each of shape (n, n)
+    """
+    R = eye_array(n, format="csr") - averaging(weights.combinatorial(F, n))
+    return list(accumulate([R] * powers, matmul))
 
 
 def true_risk(X: ArrayLike, V_true: ArrayLike, F: ArrayLike) -> float:

@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "submissions", type=Path, help="folder with a folder, or a .py file, for each student"
     )
     parser.add_argument(
-        "--assignment", required=True, help="a1 ... a5, or the path of an instructor's file"
+        "--assignment", required=True, help="a1 ... a6, or the path of an instructor's file"
     )
     parser.add_argument("--out", type=Path, help="the CSV to write")
     parser.add_argument(

@@ -18,7 +18,7 @@ EARLIEST = (1980, 1, 1, 0, 0, 0)
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the subcommand's arguments."""
     parser.add_argument(
-        "assignments", nargs="+", help="a1 ... a5, all, or paths of instructor's files"
+        "assignments", nargs="+", help="a1 ... a6, all, or paths of instructor's files"
     )
     parser.add_argument("--out", type=Path, required=True, help="a .zip file, or a folder")
     parser.add_argument(

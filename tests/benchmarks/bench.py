@@ -2,6 +2,8 @@
 
     python tests/benchmarks/bench.py [--quick] [--rounds N] [--results FOLDER] [--task TASK]
 
+With --task and --results only this task's rows are written anew.
+
 Each library works in a process of its own on the same mesh, the Stanford bunny
 subdivided twice (a torus of that size where `make data` was not run). The
 libraries take turns, round by round, so that a busy machine slows them all; a
@@ -29,7 +31,8 @@ bench.csv has a row for each task and contender:
     times_copy        step and steps: seconds over the time that copying as many bytes takes
                       as one step must read and write; copies take their turn in each round
 
-filters.csv has a row for each filter: seconds with its default parameters, median of rounds.
+filters.csv has a row for each filter: seconds with its default parameters, median of rounds, and
+plain_seconds, the same on NumPy and SciPy alone.
 starting.csv has the seconds of a new process: Python alone, NumPy and SciPy imported, README's
 first example, nothing compiled before.
 files.csv has a row for each format: seconds to read a mesh, to read all that the file holds, to
@@ -66,6 +69,7 @@ ROUNDS = {
     "flow": 5,
 }
 COPY = "copy"  # a process that copies memory
+COPIED = "copy GB/s"
 # A contender that has taken so many seconds is not measured again.
 ENOUGH = 20
 
@@ -207,6 +211,18 @@ def bytes_to_move(mesh):
     return k.A.data.nbytes + 4 * (k.A.nnz + n) + 2 * k.V.nbytes + n
 
 
+def check_machine(results, tasks):
+    """Refuse to write some tasks beside others that another machine has measured."""
+    if results is not None and tasks:
+        there = {row["what"]: row["value"] for row in measuring.read(results / "machine.csv")}
+        for what, value in measuring.machine():
+            if there.get(what, value) != value:
+                raise SystemExit(
+                    f"the figures in {results} were measured with {what} {there[what]}, and "
+                    f"here it is {value}: measure all tasks, or give another folder as --results"
+                )
+
+
 def show(rows, n):
     """Print the rows of one task."""
     for row in rows:
@@ -243,12 +259,13 @@ def main(arguments=None):
     parser.add_argument("--results", type=Path, help="folder of the CSV files")
     parser.add_argument(
         "--task",
-        choices=ROUNDS,
+        choices=[*ROUNDS, "filters"],
         action="append",
-        help="only this, which can be repeated; without --results nothing is written then",
+        help="only this, which can be repeated; written only with --results, beside what is there",
     )
     options = parser.parse_args(arguments)
     results = options.results or (None if options.task else RESULTS)
+    check_machine(results, options.task)
     tables, rows = {}, []
     with tempfile.TemporaryDirectory() as folder:
         meshes = scaling.meshes(folder, quick=options.quick)
@@ -261,7 +278,7 @@ def main(arguments=None):
         bytes_of_step, bandwidths = bytes_to_move(mesh), []
         mesh_of = {"flow": meshes[0][0]}
         mesh_of |= dict.fromkeys((x for x in ROUNDS if IN_ORDER in x), in_order(mesh, folder))
-        for task in options.task or ROUNDS:
+        for task in (x for x in ROUNDS if x in (options.task or ROUNDS)):
             rounds = 1 if options.quick else options.rounds or ROUNDS[task]
             size = meshes[0][1:] if task == "flow" else (n, m)
             copied = []
@@ -277,18 +294,24 @@ def main(arguments=None):
         for process in processes.values():
             process.close()
         judge(rows)
-        tables["bench.csv"] = rows
-        if not options.task:
-            rounds = 1 if options.quick else options.rounds or 3
-            tables["starting.csv"] = starting.table(1 if options.quick else 9)
+        if rows:
+            tables["bench.csv"] = rows
+        rounds = 1 if options.quick else options.rounds or 3
+        if "filters" in (options.task or ["filters"]):
             tables["filters.csv"] = filtering.table(rounds, options.quick)
+        if not options.task:
+            tables["starting.csv"] = starting.table(1 if options.quick else 9)
             tables["files.csv"] = files.table(meshes[0][0], rounds)
             tables["scaling.csv"] = scaling.table(meshes, rounds)
             tables["sweeping.csv"] = sweeping.table(options.quick)
-    facts = [*measuring.machine(), ("copy GB/s", f"{measuring.median(bandwidths) / 1e9:.1f}")]
-    tables["machine.csv"] = [{"what": key, "value": x} for key, x in facts]
+            facts = [*measuring.machine(), (COPIED, f"{measuring.median(bandwidths) / 1e9:.1f}")]
+            tables["machine.csv"] = [{"what": key, "value": x} for key, x in facts]
     if results is not None:
         results.mkdir(parents=True, exist_ok=True)
+        if options.task and rows:
+            there = measuring.read(results / "bench.csv")
+            together = [*rows, *(row for row in there if row["task"] not in options.task)]
+            tables["bench.csv"] = sorted(together, key=lambda row: list(ROUNDS).index(row["task"]))
         for name, table in tables.items():
             measuring.write(results / name, table)
 

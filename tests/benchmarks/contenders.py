@@ -59,14 +59,20 @@ def weights_from_nothing(k):
     return lambda: weights.cotangent(k.V, k.F)
 
 
+def without_loops(run):
+    """The same without compiled loops, as for a small mesh: NumPy and SciPy alone."""
+
+    def plain():
+        from meshfair import _fast
+
+        with mock.patch.object(_fast, "wanted", return_value=False):
+            return run()
+
+    return plain
+
+
 def weights_plain(k):
-    from meshfair import _fast, weights
-
-    def run():
-        with mock.patch.object(_fast, "wanted", return_value=False):  # as for a small mesh
-            return weights.cotangent(k.V, k.F)
-
-    return run
+    return without_loops(weights_from_nothing(k))
 
 
 def weights_libigl(k):
@@ -266,6 +272,10 @@ def flow_meshfair(k):
     return run
 
 
+def flow_plain(k):
+    return without_loops(flow_meshfair(k))
+
+
 def as_it_is(k, result):
     return np.asarray(result)
 
@@ -319,4 +329,5 @@ CONTENDERS = [
     Contender("implicit", "PyAMG, tuned", "pyamg", implicit_pyamg_tuned, within=1e-5),
     Contender("implicit", "cholespy", "cholespy", implicit_cholespy, within=1e-5),
     Contender("flow", "ours", "meshfair", flow_meshfair),
+    Contender("flow", "plain NumPy, SciPy product", "scipy", flow_plain),
 ]

@@ -67,6 +67,14 @@ def write(path, rows):
             )
 
 
+def read(path):
+    """The rows of a CSV file, all text; none where there is no file."""
+    if not path.exists():
+        return []
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
 def machine():
     """What was measured on, as rows of name and value."""
     yield "processor", _processor()

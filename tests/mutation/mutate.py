@@ -49,8 +49,8 @@ FILTERS = [f"filters/{path.stem}" for path in sorted(PACKAGE.glob("filters/[!_]*
 # Tests of the numerical modules; which of them concern a mutant is measured.
 FILES = (
     "checks", "denoising", "fast_equals_plain", "fast_filters", "filters", "flow", "intrinsic",
-    "learned", "mesh", "metrics", "noise", "operators", "reference", "solve", "spectrum",
-    "stability", "sure", "weights",
+    "kernel_table", "learned", "mesh", "metrics", "noise", "operators", "reference", "solve",
+    "spectrum", "stability", "sure", "weights",
 )  # fmt: skip
 LEAST = 0.95
 MEMORY = 6 * 2**30

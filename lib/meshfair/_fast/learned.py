@@ -7,9 +7,6 @@ from meshfair._fast.kernels import compiled, helper, on_all_cores, unsigned
 # Faces that a thread takes at a time: each has a dozen messages of some thousand products.
 BLOCK = 1024
 
-# As in `meshfair.filters.face_network`.
-MOST, NEAR = 5.0, 0.1
-
 
 def mean_lengths(R, C, area, total):
     """As `meshfair.filters.face_network.Rings.mean_length`."""
@@ -19,13 +16,16 @@ def mean_lengths(R, C, area, total):
     return length
 
 
-def message_sums(w, p, r, v, rings):
-    """As `meshfair.filters.face_network.message_sums`, with its P [...] as p, its Q [...] as r."""
+def message_sums(w, p, r, v, rings, near, most):
+    """As `meshfair.filters.face_network.message_sums`, with its P [...] as p, its Q [...] as r.
+
+    `near` and `most` are that module's constants.
+    """
     s, u = np.empty_like(p), np.empty_like(v)
     on_all_cores(
         _message_sums, len(v), *unsigned(rings.R.indptr, rings.R.indices),
         rings.C, rings.smooth, rings.area, rings.total, rings.size,
-        p, r, v, *_transposed(w), s, u, block=BLOCK,
+        near, most, p, r, v, *_transposed(w), s, u, block=BLOCK,
     )  # fmt: skip
     return s, u
 
@@ -53,8 +53,9 @@ def _mean_lengths(first, last, start, faces, C, area, total, length):
 
 @compiled(fused=True)
 def _message_sums(
-    first, last, start, faces, C, smooth, area, total, size, p, r, v, edge, along, bias, s, u
-):
+    first, last, start, faces, C, smooth, area, total, size, near, most,
+    p, r, v, edge, along, bias, s, u,
+):  # fmt: skip
     H, K = p.shape[1], v.shape[2]
     x, z, c = np.empty(5 * K + 2), np.empty(H), np.empty(K)
     for i in range(first, last):
@@ -69,13 +70,13 @@ def _message_sums(
                 apart = 0.0
                 for axis in range(3):
                     apart += (v[i, axis, k] - v[j, axis, k]) ** 2
-                x[k] = apart / (apart + NEAR)
+                x[k] = apart / (apart + near)
                 x[K + k] = d[0] * v[i, 0, k] + d[1] * v[i, 1, k] + d[2] * v[i, 2, k]
                 x[2 * K + k] = d[0] * v[j, 0, k] + d[1] * v[j, 1, k] + d[2] * v[j, 2, k]
                 x[3 * K + k] = t[0] * v[i, 0, k] + t[1] * v[i, 1, k] + t[2] * v[i, 2, k]
                 x[4 * K + k] = t[0] * v[j, 0, k] + t[1] * v[j, 1, k] + t[2] * v[j, 2, k]
             x[5 * K] = np.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
-            x[5 * K + 1] = min(max(np.log(area[j] / area[i]), -MOST), MOST)
+            x[5 * K + 1] = min(max(np.log(area[j] / area[i]), -most), most)
             for h in range(H):
                 z[h] = p[i, h] + r[j, h]
             for a in range(len(x)):

@@ -5,7 +5,8 @@ and needs --format: nothing but the mesh is then printed on standard output. Wit
 each IN is denoised into a file of its name in the folder, and one that fails stops none.
 What the file holds beside positions stays as it is.
 
-Parameters that are not given have the method's defaults; a method refuses
+Without --method one is chosen from the mesh alone, with its parameters, and a line says why.
+Parameters of a --method that are not given have its defaults; a method refuses
 those that it does not have, and names its own. An SNR depends on where the origin lies:
 compare SNRs of meshes in one place only.
 """
@@ -30,7 +31,7 @@ def add_arguments(parser: Parser) -> None:
     parser.add_argument(
         "--method",
         default=parameters.DEFAULT_METHOD,
-        help=f"how (default {parameters.DEFAULT_METHOD}; see --methods)",
+        help=f"how (default {parameters.DEFAULT_METHOD}: {parameters.AUTO}; see --methods)",
     )
     parser.add_argument(
         "--methods",
@@ -62,7 +63,7 @@ def add_arguments(parser: Parser) -> None:
         action="store_const",
         const="auto",
         default="default",
-        help="choose what is not given from the mesh itself",
+        help="choose the parameters of --method that are not given from the mesh itself",
     )
     parser.add_argument(
         "--fix-boundary",
@@ -112,6 +113,8 @@ def run(options: argparse.Namespace) -> int:
         printing.print_json(facts, printing.beside(out))
     else:
         rows = [("out", out), ("method", facts["method"]), *facts["parameters"].items()]
+        if facts["reason"]:
+            rows.append(("why", facts["reason"]))
         rows += [*gains(facts["history"]), ("seconds", round(facts["seconds"], 3))]
         printing.print_table(rows, printing.beside(out))
     return 0
@@ -178,6 +181,8 @@ class _Task:
             "method": result.method,
             "vertices": len(V),
             "parameters": {n: v for n, v in result.parameters.items() if n != "fixed"},
+            "reason": result.reason,
+            "expected_ratio": result.ratio,
             "fixed_vertices": np.sum(chosen.get("fixed", 0)),
             "seconds": result.seconds,
             "history": None if result.history is None else result.history.to_dict("records"),
@@ -191,6 +196,8 @@ class _Task:
             for name, value in facts["parameters"].items()
             if value != defaults[name]
         ]
+        if self.options.method == parameters.DEFAULT_METHOD:
+            chosen.insert(0, facts["method"])
         closer = [gain for _, gain in gains(facts["history"], 3)]
         return ", ".join([*chosen, *closer]) or f"{facts['vertices']:,} vertices"
 

@@ -116,7 +116,7 @@ def _print(task: Task, done: list[dict[str, Any]], total: int, options: argparse
         if "error" not in facts
     ]
     if rows:
-        printing.print_table([("file", "method", "done", "seconds"), *rows])
+        printing.print_table([("file", "method", "done", "seconds"), *rows], clip_first=True)
     for facts in failed:
         reason = facts["error"].removeprefix(f"{facts['in']}: ")
         text = f"{facts['in']}: failed: {reason}"

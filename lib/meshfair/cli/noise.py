@@ -9,6 +9,7 @@ IN and OUT may be -, which is standard input or output and needs --format.
 """
 
 import argparse
+from math import inf
 from typing import Any
 
 from meshfair.cli import files, printing
@@ -19,6 +20,7 @@ MODELS: dict[str, dict[str, float | None]] = {
     "normals": {"sigma": 0.2},
     "gaussian": {"sigma": 0.2},
     "uniform": {"amplitude": None},
+    "correlated": {"sigma": 0.2, "steps": 3},
     "impulsive": {"sigma": 0.2, "fraction": 0.1},
 }
 # In decibels: beyond, noise is lost in the rounding of float64, and so is the mesh.
@@ -39,6 +41,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--amplitude", type=float, help="of the uniform model, which needs it")
     parser.add_argument(
         "--fraction", type=float, help="of vertices moved, for impulsive (default 0.1)"
+    )
+    parser.add_argument(
+        "--steps", type=int, help="of averaging neighbours, for correlated (default 3)"
     )
     parser.add_argument(
         "--snr",
@@ -78,6 +83,8 @@ def run(options: argparse.Namespace) -> int:
     rng = np.random.default_rng(options.seed)
     if options.model == "impulsive":
         V_noisy = noise.impulsive(V, F, sizes["sigma"], sizes["fraction"], rng)
+    elif options.model == "correlated":
+        V_noisy = noise.correlated(V, F, sizes["sigma"], rng, steps=int(sizes["steps"]))
     else:
         (size,) = sizes.values()
         V_noisy = noise.MODELS[options.model](V, F, size, rng)
@@ -99,18 +106,21 @@ def run(options: argparse.Namespace) -> int:
 
 def _sizes(options: argparse.Namespace) -> dict[str, float]:
     """What the model takes; an error where an option is not for it, or one is missing."""
-    from meshfair.checks import check_number
+    from meshfair.checks import check_count, check_number
 
     takes = MODELS[options.model]
-    for name in ("sigma", "amplitude", "fraction"):
+    for name in ("sigma", "amplitude", "fraction", "steps"):
         if getattr(options, name) is not None and name not in takes:
             right = ", ".join(model for model, names in MODELS.items() if name in names)
             raise ValueError(f"--{name} is for {right}, and not for {options.model}")
     if options.model == "uniform" and options.amplitude is None:
         raise ValueError("--model uniform needs --amplitude, in the units of the mesh")
-    sizes = {}
+    sizes: dict[str, float] = {}
     for name, default in takes.items():
         given = getattr(options, name)
-        high = 1 if name == "fraction" else float("inf")
-        sizes[name] = check_number(default if given is None else given, f"--{name}", 0, high)
+        size = default if given is None else given
+        if name == "steps":
+            sizes[name] = check_count(size, "--steps")
+        else:
+            sizes[name] = check_number(size, f"--{name}", 0, 1 if name == "fraction" else inf)
     return sizes

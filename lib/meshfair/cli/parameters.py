@@ -12,7 +12,8 @@ from typing import Any
 from meshfair.checks import MeshError, did_you_mean
 
 # That of `meshfair.denoise`, which is not loaded for --help.
-DEFAULT_METHOD = "feature-convinced"
+DEFAULT_METHOD = "auto"
+AUTO = "one of these with its parameters, chosen from the mesh alone"
 
 
 def assignment(text: str) -> tuple[str, str]:
@@ -37,9 +38,9 @@ class ListMethods(argparse.Action):
         from meshfair import denoising
         from meshfair.cli.printing import wrapped
 
+        print(wrapped(f"{DEFAULT_METHOD} (the default): {AUTO}", "    "))
         for method in denoising.methods():
-            mark = " (the default)" if method == DEFAULT_METHOD else ""
-            print(wrapped(f"{method}{mark}: {summary(method)}", "    "))
+            print(wrapped(f"{method}: {summary(method)}", "    "))
             print(wrapped("    " + " ".join(f"{n}={v}" for n, v in known(method).items()), "    "))
         parser.exit()
 
@@ -56,6 +57,8 @@ def known(method: str) -> dict[str, Any]:
     """The parameters that --set can give, and their defaults."""
     from meshfair import denoising
 
+    if method == DEFAULT_METHOD:
+        return {}
     defaults = denoising.defaults(method)
     defaults.pop("fixed", None)  # positions in arrays; --fix-boundary gives them
     return defaults
@@ -82,6 +85,8 @@ def chosen(options: argparse.Namespace) -> dict[str, Any]:
     method = options.method
     defaults = known(method)
     has = f"{method} has {', '.join(defaults) or 'none'}"
+    if method == DEFAULT_METHOD:
+        has = "auto chooses all of them; name a --method, too"
     given = {n: getattr(options, n) for n in ("weights", "time") if getattr(options, n) is not None}
     for name in given:
         if name not in defaults:

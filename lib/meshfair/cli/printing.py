@@ -7,6 +7,7 @@ import sys
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from itertools import zip_longest
 from typing import Any, TextIO
 
 from meshfair.cli.files import STANDARD
@@ -35,7 +36,9 @@ def _plain(value: Any) -> Any:
     return value if isinstance(value, (str, int, float, bool, type(None))) else str(value)
 
 
-def print_table(rows: Iterable[Sequence[Any]], to: TextIO | None = None) -> None:
+def print_table(
+    rows: Iterable[Sequence[Any]], to: TextIO | None = None, *, clip_first: bool = False
+) -> None:
     """Print rows in columns, but for the last cell as wide as they need; numbers with six digits.
 
     Parameters
@@ -44,8 +47,14 @@ def print_table(rows: Iterable[Sequence[Any]], to: TextIO | None = None) -> None
         Of any lengths; the last cell of a row is in nobody's way.
     to : file, optional
         Standard output by default.
+    clip_first : bool
+        Shorten the first column, of names, where a terminal is too narrow for the rows.
     """
     texts = [[shortened(cell) for cell in row] for row in rows]
+    if clip_first and (to or sys.stdout).isatty():
+        others = zip_longest(*(row[1:] for row in texts), fillvalue="")
+        room = width() - sum(2 + max(map(len, column)) for column in others)
+        texts = [[clipped(row[0], room), *row[1:]] for row in texts]
     widths: dict[int, int] = {}
     for row in texts:
         for k, cell in enumerate(row[:-1]):
@@ -53,6 +62,15 @@ def print_table(rows: Iterable[Sequence[Any]], to: TextIO | None = None) -> None
     for row in texts:
         cells = [f"{cell:<{widths[k]}}" for k, cell in enumerate(row[:-1])]
         print("  ".join([*cells, *row[-1:]]), file=to)
+
+
+def clipped(name: str, room: int) -> str:
+    """A name in so many characters, 16 at least: beginning and end, and dots between."""
+    over = len(name) - max(room, 16)
+    if over <= 0:
+        return name
+    begin = (len(name) - over - 3) // 2
+    return f"{name[:begin]}...{name[begin + over + 3 :]}"
 
 
 def width() -> int:

@@ -1,7 +1,7 @@
 """Run an experiment on a grid of parameters, here or on a cluster.
 
-A grid is a TOML file: an experiment (stopping, quality, or module:function of
-your own), and its axes, such as
+A grid is a TOML file: an experiment (stopping, quality, choices, or
+module:function of your own), and its axes, such as
 
     experiment = "stopping"
     mesh = ["knot", "scans/*.ply"]
@@ -10,7 +10,7 @@ your own), and its axes, such as
     weights = ["combinatorial", "cotangent"]
     seed = { from = 0, to = 199 }
 
-table-1 and quality are the names of grids that come with meshfair. Each
+table-1, quality and choices are the names of grids that come with meshfair. Each
 finished cell is kept in a journal beside the table. What stops the sweep
 (Ctrl-C, a power cut, a cluster that goes away) costs only the cells that were
 running: the same command goes on. Cells that failed are tried again by it.
@@ -32,7 +32,9 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the subcommand's arguments."""
-    parser.add_argument("grid", metavar="GRID", help="the grid file, or table-1 or quality")
+    parser.add_argument(
+        "grid", metavar="GRID", help="the grid file, or table-1, quality or choices"
+    )
     parser.add_argument(
         "--out", type=Path, required=True, metavar="TABLE.csv", help="the table to write"
     )

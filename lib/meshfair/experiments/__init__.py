@@ -1,5 +1,7 @@
 """The experiments of the report: each a seeded function that returns a tidy table."""
 
+from meshfair.experiments.choices import compare_choices, conditions, noisy_mesh, outcome
+from meshfair.experiments.draws import knot_draws, missile_draws
 from meshfair.experiments.extensions import (
     agreement,
     eigenvalue_table,
@@ -7,6 +9,7 @@ from meshfair.experiments.extensions import (
     origin_shift,
     reduction,
 )
+from meshfair.experiments.learning import kernel_transfer
 from meshfair.experiments.meshes import (
     MESHES,
     PAIRS,
@@ -29,6 +32,7 @@ from meshfair.experiments.original import (
     table_1,
 )
 from meshfair.experiments.quality import denoised, noisy_pair, quality
+from meshfair.experiments.regret import regrets, summary
 from meshfair.experiments.sweep import sweep
 
 __all__ = [
@@ -37,23 +41,32 @@ __all__ = [
     "NotDownloadedError",
     "agreement",
     "averaging_for_missiles",
+    "compare_choices",
+    "conditions",
     "curves",
     "denoised",
     "distance_readings",
     "eigenvalue_table",
     "full_resolution",
+    "kernel_transfer",
+    "knot_draws",
     "knot_meshes",
     "load_mesh",
     "load_noisy_mesh",
+    "missile_draws",
     "missile_vertices",
+    "noisy_mesh",
     "noisy_pair",
     "origin_shift",
+    "outcome",
     "part_error_curves",
     "part_errors",
     "published_table_1",
     "quality",
     "reduction",
+    "regrets",
     "stopping",
+    "summary",
     "sweep",
     "table_1",
 ]

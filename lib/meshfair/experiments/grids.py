@@ -15,21 +15,27 @@ from typing import Any
 from meshfair import datasets, denoising, io, noise
 from meshfair.checks import check_choice, did_you_mean
 from meshfair.experiments.cells import Experiment
+from meshfair.experiments.choices import KINDS, PUBLISHED_NOISE, choice
 from meshfair.experiments.meshes import MESHES, PAIRS, parts
 from meshfair.experiments.original import stopping
 from meshfair.experiments.quality import PARAMETERS, score
 from meshfair.weights import BY_NAME
 
-EXPERIMENTS: dict[str, Experiment] = {"stopping": stopping, "quality": score}
+EXPERIMENTS: dict[str, Experiment] = {
+    "stopping": stopping,
+    "quality": score,
+    "choices": choice,
+}
 """Experiments that a grid can name; any other one is given as ``module:function``."""
 
-PUBLISHED = ("quality", "table-1")
+PUBLISHED = ("choices", "quality", "table-1")
 """Grids that come with the package."""
 
 CHOICES: dict[str, Callable[[], list[str]]] = {
     "noise": lambda: list(noise.MODELS),
     "weights": lambda: list(BY_NAME),
-    "method": lambda: ["none", *denoising.methods()],
+    "kind": lambda: [*KINDS, PUBLISHED_NOISE],
+    "method": lambda: list(dict.fromkeys(["none", "auto", *denoising.methods()])),
     "parameters": lambda: list(PARAMETERS),
 }
 """What axes of `EXPERIMENTS` can hold."""

@@ -14,6 +14,7 @@ import numpy as np
 
 from meshfair import datasets, io, noise, shapes
 from meshfair.checks import Floats, Integers
+from meshfair.experiments import specimens
 
 MESHES: dict[str, Callable[[], tuple[Floats, Integers]]] = {
     "knot": shapes.knot,
@@ -24,6 +25,12 @@ MESHES: dict[str, Callable[[], tuple[Floats, Integers]]] = {
     "box": shapes.box,
     "jet": shapes.jet,
     "jet without missiles": partial(shapes.jet, missiles=False),
+    "coarse jet": partial(shapes.jet, detail=0.5),
+    "pulley": specimens.pulley,
+    "plate": specimens.plate,
+    "golf ball": specimens.golf_ball,
+    "landscape": specimens.landscape,
+    "boulder": specimens.boulder,
 }
 """The built-in shapes that the experiments use, each as a function without arguments."""
 

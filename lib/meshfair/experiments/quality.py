@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from concurrent.futures import Executor
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from meshfair import denoising
 from meshfair.checks import Floats, Integers
+from meshfair.experiments.dispatch import Workers
 from meshfair.experiments.meshes import PAIRS, load_mesh, load_noisy_mesh
 from meshfair.experiments.missiles import JET, part_errors
 from meshfair.experiments.sweep import sweep
@@ -79,6 +81,22 @@ def denoised(
     return denoising.denoise(V_noisy, F, method, parameters=parameters), V, F
 
 
+def account(result: denoising.Denoised) -> dict[str, Any]:
+    """How a result came about, as columns of a table.
+
+    Parameters
+    ----------
+    result : meshfair.denoising.Denoised
+
+    Returns
+    -------
+    dict
+        used, the parameters as JSON, and seconds.
+    """
+    used = {name: value for name, value in result.parameters.items() if name != "fixed"}
+    return {"used": json.dumps(used), "seconds": result.seconds}
+
+
 def score(
     mesh: str, method: str, parameters: str, size: float, seed: int, keep_mesh: bool = False
 ) -> dict[str, Any]:
@@ -103,9 +121,7 @@ def score(
         facts: dict[str, Any] = {"used": "{}", "seconds": 0.0}
     else:
         result, V, F = denoised(mesh, method, parameters, size, seed)
-        X = result.V
-        used = {name: value for name, value in result.parameters.items() if name != "fixed"}
-        facts = {"used": json.dumps(used), "seconds": result.seconds}
+        X, facts = result.V, account(result)
     missiles = {"missile_error": part_errors(X, V, F)["missiles"]} if mesh == JET else {}
     metrics = {name: measure.value for name, measure in compare(X, F, V, F).items()}
     kept = {"denoised": (X, F)} if keep_mesh else {}
@@ -118,6 +134,7 @@ def quality(
     seed: int = 0,
     *,
     methods: Sequence[str] | None = None,
+    executor: Executor | Workers | None = None,
     path: str | PathLike[str] | None = None,
     progress: bool = False,
 ) -> pd.DataFrame:
@@ -133,7 +150,7 @@ def quality(
         Of the noise.
     methods : sequence of str, optional
         All, if not given.
-    path, progress
+    executor, path, progress
         As in `meshfair.experiments.sweep`.
 
     Returns
@@ -154,4 +171,4 @@ def quality(
         common = {"experiment": score, "mesh": mesh, "size": noise, "seed": seed}
         for which, ways in ((["none"], ["default"]), (methods, PARAMETERS)):
             grids.append(common | {"method": which, "parameters": ways})
-    return sweep(grids, path=path, progress=progress, failures="raise")
+    return sweep(grids, executor, path=path, progress=progress, failures="raise")

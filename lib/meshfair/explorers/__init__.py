@@ -17,6 +17,7 @@ with needed_for("an explorer"):
     from meshfair.explorers.filters import FilterExplorer
     from meshfair.explorers.heat import AveragingExplorer, ComparisonExplorer, HeatExplorer
     from meshfair.explorers.jet import JetExplorer
+    from meshfair.explorers.kernels import KernelExplorer
     from meshfair.explorers.low_pass import LowPassExplorer
     from meshfair.explorers.neighbourhood import NeighbourhoodExplorer
     from meshfair.explorers.noises import NoiseExplorer
@@ -35,6 +36,7 @@ __all__ = [
     "FilterExplorer",
     "HeatExplorer",
     "JetExplorer",
+    "KernelExplorer",
     "LowPassExplorer",
     "NeighbourhoodExplorer",
     "NoiseExplorer",

@@ -19,6 +19,7 @@ NOISES = {
     "normals": "along the normals",
     "gaussian": "Gaussian",
     "uniform": "uniform",
+    "correlated": "correlated, as a scanner's",
     "impulsive": "impulsive (one in ten)",
 }
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from pathlib import Path
 from typing import Any
 
 import anywidget
@@ -12,6 +11,7 @@ import traitlets
 
 from meshfair.checks import MeshWarning
 from meshfair.mesh.elements import Triangles
+from meshfair.viewer.scripts import text
 from meshfair.weights import cotangent
 
 F = np.array([[0, 1, 2], [1, 0, 3]])
@@ -40,8 +40,8 @@ class CotangentExplorer(anywidget.AnyWidget):
     >>> explorer.move("a", (-0.3, 1.0))                   # doctest: +SKIP
     """
 
-    _esm = Path(__file__).with_name("cotangents.js")
-    _css = Path(__file__).with_name("cotangents.css")
+    _esm = text("cotangents.js")
+    _css = text("cotangents.css")
     points: Any = traitlets.List().tag(sync=True)
     angles: Any = traitlets.List().tag(sync=True)
     cotangents: Any = traitlets.List().tag(sync=True)

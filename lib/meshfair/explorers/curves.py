@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import anywidget
 import numpy as np
 import traitlets
 from numpy.typing import ArrayLike
+
+from meshfair.viewer.scripts import text
 
 
 class CurvePlot(anywidget.AnyWidget):
@@ -26,12 +27,9 @@ class CurvePlot(anywidget.AnyWidget):
         Of `anywidget.AnyWidget`, such as a layout.
     """
 
-    _esm = Path(__file__).with_name("curves.js")
+    _esm = text("curves.js")
     # Every explorer has a plot, so the look of all of it comes with the plot's.
-    _css = "\n".join(
-        Path(__file__).with_name(name).read_text(encoding="utf-8")
-        for name in ("curves.css", "explorer.css")
-    )
+    _css = text("curves.css", "explorer.css")
     title = traitlets.Unicode().tag(sync=True)
     x_label = traitlets.Unicode().tag(sync=True)
     y_label = traitlets.Unicode().tag(sync=True)

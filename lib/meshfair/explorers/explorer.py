@@ -96,6 +96,11 @@ class Explorer:
     def wait(self, timeout: float = 60) -> None:
         """Wait until the work for the newest settings is done and shown.
 
+        Parameters
+        ----------
+        timeout : float
+            Seconds.
+
         Raises
         ------
         TimeoutError
@@ -104,7 +109,13 @@ class Explorer:
         self._worker.wait(timeout)
 
     def say(self, text: str) -> None:
-        """Show a line below the controls, or none."""
+        """Show a line below the controls, or none.
+
+        Parameters
+        ----------
+        text : str
+            Empty for none.
+        """
         self._note.value = html.escape(text)
 
     def _say_how_long(self, count: int) -> None:

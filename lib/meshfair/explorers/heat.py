@@ -14,7 +14,13 @@ from meshfair.weights import BY_NAME
 
 
 class HeatExplorer(FlowExplorer):
-    """The heat equation on one mesh: ground truth, noisy and denoised; where to stop."""
+    """The heat equation on one mesh: ground truth, noisy and denoised; where to stop.
+
+    Parameters
+    ----------
+    V, F, size, seed, tau, iterations
+        As in `meshfair.explorers.flows.FlowExplorer`.
+    """
 
     def _flow_controls(self, size: float, tau: float) -> dict[str, Any]:
         return {
@@ -34,7 +40,13 @@ class HeatExplorer(FlowExplorer):
 
 
 class AveragingExplorer(HeatExplorer):
-    """Iterated averaging: the heat equation with a time step of 1."""
+    """Iterated averaging: the heat equation with a time step of 1.
+
+    Parameters
+    ----------
+    V, F, size, seed, tau, iterations
+        As in `meshfair.explorers.flows.FlowExplorer`.
+    """
 
     clock = "s"
 
@@ -46,7 +58,13 @@ class AveragingExplorer(HeatExplorer):
 
 
 class ComparisonExplorer(FlowExplorer):
-    """The three weights side by side, on one mesh with one noise."""
+    """The three weights side by side, on one mesh with one noise.
+
+    Parameters
+    ----------
+    V, F, size, seed, tau, iterations
+        As in `meshfair.explorers.flows.FlowExplorer`.
+    """
 
     def _flow_controls(self, size: float, tau: float) -> dict[str, Any]:
         return {"size": size_slider(size), "tau": tau_slider(tau, self.tau_range)}

@@ -4,6 +4,7 @@ import numpy as np
 
 from meshfair import spectrum
 from meshfair.checks import Floats
+from meshfair.plotting import OTHER_COLORS
 
 STEPS = 30  # of each of the other filters, at most
 TAU, LAM, MU, LENGTH = 0.2, 0.5, -0.53, 0.5  # heat step; Taubin's two; implicit step
@@ -13,7 +14,7 @@ RIVALS = {
     "taubin": "Taubin steps",
     "implicit": f"implicit steps of τ = {LENGTH:g}",
 }
-COLORS = {HAND: "#CC79A7", "heat": "#0072B2", "taubin": "#D55E00", "implicit": "#009E73"}
+COLORS = dict(zip((HAND, *RIVALS), OTHER_COLORS, strict=False))
 
 
 def transfer(rival: str, eigenvalues: Floats, steps: int) -> Floats:

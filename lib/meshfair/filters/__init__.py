@@ -1,7 +1,7 @@
 """Filters: iterators over a mesh that becomes less noisy.
 
 Each takes ``(V, F, *, parameters)`` and yields the part of the work that is
-done, and positions; the last ones are the result:
+done, and positions; the last ones are the result::
 
     *_, (_, V_new) = filters.bilateral_normal(V, F)
 

@@ -52,10 +52,20 @@ def bilateral(
     Parameters
     ----------
     V, F, fixed
-        As in `meshfair.filters.averaging`, and so are the iterator and its errors.
+        As in `meshfair.filters.averaging`.
     iterations : int
     radius : float
         How far the neighbourhood goes, in sigma_c; it is grown through the mesh.
+
+    Yields
+    ------
+    progress, V
+        As `meshfair.filters.averaging`.
+
+    Raises
+    ------
+    MeshError, ValueError
+        As `meshfair.filters.averaging`.
     """
     V, F = check_mesh(V, F)
     iterations = check_count(iterations, "iterations")

@@ -90,11 +90,21 @@ def heat(
     Parameters
     ----------
     V, F, weights, fixed
-        As in `averaging`, and so are the iterator and its errors.
+        As in `averaging`.
     tau : float
         Time step, above 0, best at most 1.
     time : float
         How long to flow.
+
+    Yields
+    ------
+    progress, V
+        As `averaging`.
+
+    Raises
+    ------
+    MeshError, ValueError
+        As `averaging`.
 
     Warns
     -----
@@ -129,10 +139,20 @@ def taubin(
     Parameters
     ----------
     V, F, weights, fixed
-        As in `averaging`, and so are the iterator and its errors.
+        As in `averaging`.
     lam, mu : float
         lambda > 0 and mu < -lambda.
     iterations : int
+
+    Yields
+    ------
+    progress, V
+        As `averaging`.
+
+    Raises
+    ------
+    MeshError, ValueError
+        As `averaging`.
     """
     V, F = check_mesh(V, F)
     lam = check_number(lam, "lam", 0, 1, open_low=True)
@@ -165,8 +185,7 @@ def implicit(
     Parameters
     ----------
     V, F, weights, fixed
-        As in `averaging`, and so are the iterator and its errors. With
-        cotangent weights this is mean curvature flow.
+        As in `averaging`. With cotangent weights this is mean curvature flow.
     step : float
         t, in squared mean edge lengths of the input.
     iterations : int
@@ -174,10 +193,15 @@ def implicit(
         After each step, scale the mesh about its centroid back to the
         volume it had at the start.
 
+    Yields
+    ------
+    progress, V
+        As `averaging`.
+
     Raises
     ------
     MeshError, ValueError
-        Also: ``keep_volume`` on an open mesh or together with ``fixed``.
+        As `averaging`; also: ``keep_volume`` on an open mesh or together with ``fixed``.
     SolveError
         The linear system could not be solved.
     """
@@ -223,6 +247,16 @@ def regularised(
         lambda, in mean edge lengths to the power 2 (order 1) or 4 (order 2).
     keep_volume : bool
         As in `implicit`.
+
+    Yields
+    ------
+    progress, V
+        As `averaging`.
+
+    Raises
+    ------
+    MeshError, ValueError
+        As `averaging`.
     """
     V, F = check_mesh(V, F)
     check_choice(order, "order", (1, 2))

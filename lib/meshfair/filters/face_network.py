@@ -200,7 +200,7 @@ def message_sums(w: Weights, h: Floats, v: Floats, rings: Rings) -> tuple[Floats
     q = np.concatenate([h, _squares(v)], axis=1)
     p, r = _linear(w, "own", q), _linear(w, "other", q)
     if _fast.wanted(len(h), _fast.FILTER_ROWS):
-        return _fast.learned.message_sums(w, p, r, v, rings)
+        return _fast.learned.message_sums(w, p, r, v, rings, NEAR, MOST)
     i, j = entries(rings.R)
     d, t, e = rings.ways
     apart = np.sum((v[i] - v[j]) ** 2, axis=1)

@@ -164,7 +164,7 @@ def feature_convinced(
     Parameters
     ----------
     V, F, fixed
-        As in `meshfair.filters.averaging`, and so are the iterator and its errors.
+        As in `meshfair.filters.averaging`.
     noise : float, optional
         Size of the noise, as a fraction of the mean edge length. If it is not
         given, `noise_by_lengths` estimates it.
@@ -179,6 +179,16 @@ def feature_convinced(
         one more up to an earlier line.
     shortest : int
         Crease lines of fewer edges are dropped.
+
+    Yields
+    ------
+    progress, V
+        As `meshfair.filters.averaging`.
+
+    Raises
+    ------
+    MeshError, ValueError
+        As `meshfair.filters.averaging`.
     """
     V, F = check_mesh(V, F)
     vertex_iterations = check_count(vertex_iterations, "vertex_iterations", 1)

@@ -60,7 +60,7 @@ def guided_normal(
     Parameters
     ----------
     V, F, fixed
-        As in `meshfair.filters.averaging`, and so are the iterator and its errors.
+        As in `meshfair.filters.averaging`.
     sigma_normal : float
         sigma_s: the difference of two guidance normals from which on the
         normals hardly mix.
@@ -72,6 +72,16 @@ def guided_normal(
     iterations, vertex_iterations : int
         How often the normals are filtered, and how often the vertices are
         moved each time.
+
+    Yields
+    ------
+    progress, V
+        As `meshfair.filters.averaging`.
+
+    Raises
+    ------
+    MeshError, ValueError
+        As `meshfair.filters.averaging`.
     """
     V, F = check_mesh(V, F)
     sigma_normal = check_number(sigma_normal, "sigma_normal", 0, open_low=True)

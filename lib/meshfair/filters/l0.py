@@ -49,7 +49,7 @@ def l0(
     Parameters
     ----------
     V, F, fixed
-        As in `meshfair.filters.averaging`, and so are the iterator and its errors.
+        As in `meshfair.filters.averaging`.
     lam : float
         lambda, in squared mean edge lengths times the mean dihedral angle
         (the mean absolute angle, in radians, by which edges are bent).
@@ -61,8 +61,15 @@ def l0(
         The first beta, what it is multiplied by after each iteration, and the
         bound from which on it ends. Stopping early leaves smooth parts smooth.
 
+    Yields
+    ------
+    progress, V
+        As `meshfair.filters.averaging`.
+
     Raises
     ------
+    MeshError, ValueError
+        As `meshfair.filters.averaging`.
     SolveError
         A linear system could not be solved.
     """

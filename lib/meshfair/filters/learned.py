@@ -52,7 +52,7 @@ def learned(
     vertex_iterations: int = 20,
     fixed: ArrayLike | None = None,
 ) -> Iterator[tuple[float, Floats]]:
-    """The learned filter, as an iterator.
+    """Learned normal filtering in stages [Wang16]_, as an iterator: networks find the normals.
 
     Each stage filters the normals in 14 ways, see
     `meshfair.filters.normal_bank.filtered_normals`, finds one normal a face from these by
@@ -63,11 +63,21 @@ def learned(
     Parameters
     ----------
     V, F, fixed
-        As in `meshfair.filters.averaging`, and so are the iterator and its errors.
+        As in `meshfair.filters.averaging`.
     stages : int
         How many stages to run: 1, or 2.
     vertex_iterations : int
         How often the vertices are moved in each stage.
+
+    Yields
+    ------
+    progress, V
+        As `meshfair.filters.averaging`.
+
+    Raises
+    ------
+    MeshError, ValueError
+        As `meshfair.filters.averaging`.
     """
     V, F = check_mesh(V, F)
     networks = trained()
@@ -100,12 +110,14 @@ def learned(
             of_input = N
         wanted = normals(network, h, v, G)
         for _ in range(vertex_iterations):
-            V = moved(V, F, B, A, wanted, fixed)
+            V = move_and_unfold(V, F, B, A, wanted, fixed)
             step += 1
             yield step / steps, V
 
 
-def moved(V: Floats, F: Integers, B: csr_array, A: csr_array, N: Floats, fixed: Booleans) -> Floats:
+def move_and_unfold(
+    V: Floats, F: Integers, B: csr_array, A: csr_array, N: Floats, fixed: Booleans
+) -> Floats:
     """Move each vertex towards the planes of its faces, and unfold where these have turned over.
 
     A step of `meshfair.filters.normal_filtering.move_vertices` moves a vertex along normals,
@@ -148,13 +160,12 @@ def trained() -> list[Weights]:
         Of each stage, matrices and vectors (float64) by the names that they have in training.
     """
     with np.load(str(files("meshfair.filters") / "learned.npz")) as file:
-        stages: list[Weights] = []
+        stages: dict[str, Weights] = {}
         for key in file.files:
             stage, _, name = key.partition("/")
             if name:
-                stages += [{}] * (int(stage) - len(stages))
-                stages[int(stage) - 1] = stages[int(stage) - 1] | {name: file[key].astype(float)}
-    return stages
+                stages.setdefault(stage, {})[name] = file[key].astype(float)
+    return [stages[stage] for stage in sorted(stages)]
 
 
 def record() -> dict[str, str]:

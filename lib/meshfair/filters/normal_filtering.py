@@ -63,8 +63,7 @@ def sun(
     Parameters
     ----------
     V, F, fixed
-        As in `meshfair.filters.averaging`, and so are the iterator and its
-        errors. Until the normals are done it yields the input.
+        As in `meshfair.filters.averaging`. Until the normals are done it yields the input.
     threshold : float
         T, at least -1 and at most 1: normals that differ by more than acos(T)
         do not mix.
@@ -72,6 +71,16 @@ def sun(
         How often the normals are averaged, and then the vertices moved.
     fix_boundary : bool
         Keep the vertices of an open mesh's boundary in their place.
+
+    Yields
+    ------
+    progress, V
+        As `meshfair.filters.averaging`.
+
+    Raises
+    ------
+    MeshError, ValueError
+        As `meshfair.filters.averaging`.
     """
     V, F = check_mesh(V, F)
     T = check_number(threshold, "threshold", -1, 1)
@@ -107,12 +116,22 @@ def bilateral_normal(
     Parameters
     ----------
     V, F, normal_iterations, vertex_iterations, fix_boundary, fixed
-        As in `sun`, and so are the iterator and its errors.
+        As in `sun`.
     sigma_normal : float
         sigma_s: the difference of two unit normals from which on they hardly
         mix.
     sigma_space : float
         sigma_c, in mean distances of the centroids of adjacent faces.
+
+    Yields
+    ------
+    progress, V
+        As `meshfair.filters.averaging`.
+
+    Raises
+    ------
+    MeshError, ValueError
+        As `meshfair.filters.averaging`.
     """
     V, F = check_mesh(V, F)
     sigma_normal = check_number(sigma_normal, "sigma_normal", 0, open_low=True)

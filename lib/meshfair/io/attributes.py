@@ -45,11 +45,31 @@ class Attributes:
         self.V.flags.writeable = self.F.flags.writeable = False
 
     def of_corners(self, values: Integers) -> Integers:
-        """A value of each corner of the file's faces, for the corners of the triangles."""
+        """A value of each corner of the file's faces, for the corners of the triangles.
+
+        Parameters
+        ----------
+        values : ndarray, shape (c,)
+            One for each corner in the file, c of them.
+
+        Returns
+        -------
+        ndarray, shape (m, 3)
+        """
         return values.reshape(-1, 3) if self.corner is None else values[self.corner]
 
     def fits(self, V: Floats, F: Integers) -> bool:
-        """Whether a mesh has these faces and as many vertices."""
+        """Whether a mesh has these faces and as many vertices.
+
+        Parameters
+        ----------
+        V : ndarray of float64, shape (n, 3)
+        F : ndarray of int64, shape (m, 3)
+
+        Returns
+        -------
+        bool
+        """
         return len(V) == len(self.V) and np.array_equal(F, self.F)
 
     def __repr__(self) -> str:

@@ -48,7 +48,7 @@ ADVICE = {
         "mesh.repair(V, F, duplicates=True, split=True), or intrinsic.cotangent",
     ),
     "nonmanifold_vertices": Advice(
-        "all weights connect surfaces that only touch there, and mesh.vertex_normals mix them",
+        "all weights connect surfaces that only touch there, and mesh.vertex_normals mixes them",
         "mesh.repair(V, F, split=True)",
     ),
     "inconsistent_edges": Advice(

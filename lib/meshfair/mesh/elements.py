@@ -69,7 +69,18 @@ class Edges:
 
     @classmethod
     def of_all(cls, F: Integers, n: int) -> Self:
-        """The edges of checked faces, or of none, where duplicates count each."""
+        """The edges of checked faces, or of none, where duplicates count each.
+
+        Parameters
+        ----------
+        F : ndarray of int64, shape (m, 3)
+        n : int
+            Number of vertices.
+
+        Returns
+        -------
+        Edges
+        """
         edges = cls.__new__(cls)
         edges.n, edges._stored = n, F
         edges.F = F
@@ -131,7 +142,17 @@ class Edges:
         return len(self.ends)
 
     def lengths(self, V: Floats) -> Floats:
-        """The length |v_i - v_j| of each edge; float64, shape (k,)."""
+        """The length |v_i - v_j| of each edge; float64, shape (k,).
+
+        Parameters
+        ----------
+        V : ndarray of float64, shape (n, 3)
+
+        Returns
+        -------
+        ndarray of float64, shape (k,)
+            In the units of ``V``.
+        """
         i, j = self.ends.T
         return np.linalg.norm(V[i] - V[j], axis=1)
 

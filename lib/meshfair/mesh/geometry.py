@@ -52,6 +52,11 @@ def vertex_normals(V: ArrayLike, F: ArrayLike) -> Floats:
     -------
     ndarray of float64, shape (n, 3)
         Unit vectors; zero at a vertex without faces, and where normals cancel.
+
+    Raises
+    ------
+    MeshError
+        No mesh.
     """
     V, F = check_mesh(V, F)
     T, B = Triangles(V, F), incidence(F, len(V))
@@ -132,6 +137,11 @@ def edge_lengths(V: ArrayLike, F: ArrayLike) -> Floats:
     -------
     ndarray of float64, shape (k,)
         In the units of ``V``.
+
+    Raises
+    ------
+    MeshError
+        No mesh.
     """
     V, F = check_mesh(V, F)
     return Edges(F, len(V)).lengths(V)
@@ -210,6 +220,11 @@ def volume(V: ArrayLike, F: ArrayLike) -> float:
     -------
     float
         Positive where the faces are counter-clockwise seen from outside.
+
+    Raises
+    ------
+    MeshError
+        No mesh.
     """
     V, F = check_mesh(V, F)
     # Keeps the sum accurate far from the origin.

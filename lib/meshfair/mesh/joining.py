@@ -49,6 +49,11 @@ class Joined(NamedTuple):
         Returns
         -------
         ndarray of bool, shape (n',)
+
+        Raises
+        ------
+        MeshError
+            Neither a mask nor indices of the old vertices.
         """
         mask = np.zeros(len(self.V), dtype=bool)
         mask[self.copies[check_fixed(fixed, len(self.copies))]] = True

@@ -149,6 +149,11 @@ def moved(mesh: Any, V: Floats) -> Any:
     -------
     object
         Of the same kind, with all else that the mesh holds.
+
+    Raises
+    ------
+    MeshError
+        No such object, or positions of another number of vertices.
     """
     kind = _kind(mesh)
     if kind is None or len(V) != len(arrays(mesh)[0]):

@@ -60,7 +60,12 @@ class Inspection:
         return dict.fromkeys(KINDS, 0) | {found.kind: len(found.where) for found in self.findings}
 
     def as_dict(self) -> dict[str, Any]:
-        """The inspection as numbers, texts, lists and dictionaries, ready for JSON."""
+        """The inspection as numbers, texts, lists and dictionaries, ready for JSON.
+
+        Returns
+        -------
+        dict
+        """
         facts = {field.name: getattr(self, field.name) for field in fields(self)}
         return facts | {
             "size": list(self.size),
@@ -77,7 +82,7 @@ class Inspection:
         words : function, optional
             From the advice as the package gives it, in Python, to other words.
         width : int
-            Of the lines of the advice.
+            Of the lines of findings and advice.
 
         Returns
         -------
@@ -146,7 +151,7 @@ def _text(inspection: Inspection, words: Callable[[str], str], width: int) -> st
     for finding in inspection.findings:
         affects, remedy = ADVICE[finding.kind]
         lines += [
-            f"{_label(finding)}: {finding}",
+            _wrapped(f"{_label(finding)}: ", str(finding), width),
             _wrapped("  affects: ", words(affects), width),
             _wrapped("  helps:   ", words(remedy), width),
         ]
@@ -154,7 +159,15 @@ def _text(inspection: Inspection, words: Callable[[str], str], width: int) -> st
 
 
 def _wrapped(label: str, text: str, width: int) -> str:
-    return fill(text, width, initial_indent=label, subsequent_indent=" " * len(label))
+    """Lines of this width; what is to be typed, such as --fix-boundary, stays whole."""
+    return fill(
+        text,
+        width,
+        initial_indent=label,
+        subsequent_indent=" " * len(label),
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
 
 
 def _html(inspection: Inspection) -> str:

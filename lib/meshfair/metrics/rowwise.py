@@ -97,10 +97,20 @@ def normal_angle(V: ArrayLike, V_true: ArrayLike, F: ArrayLike) -> float:
 def normal_angles(V: ArrayLike, V_true: ArrayLike, F: ArrayLike) -> Floats:
     """The angles that `normal_angle` is the mean of, in degrees: one for each face.
 
+    Parameters
+    ----------
+    V, V_true, F
+        As in `normal_angle`.
+
     Returns
     -------
     ndarray of float64, shape (m,), or fewer where the ground truth has faces
     without area.
+
+    Raises
+    ------
+    MeshError
+        As `normal_angle`.
     """
     V, V_true = check_same_vertices(V, V_true, ("V", "V_true"))
     n, n_true = face_normals(V, F), face_normals(V_true, F)

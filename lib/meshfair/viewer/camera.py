@@ -171,6 +171,11 @@ class Camera:
     def pan(self, x: float, y: float) -> Camera:
         """Slide sideways and upwards, by shares of the picture's height.
 
+        Parameters
+        ----------
+        x, y : float
+            To the right and upwards.
+
         Returns
         -------
         Camera
@@ -189,6 +194,11 @@ class Camera:
 
     def zoom(self, factor: float) -> Camera:
         """Move to ``factor`` times the distance from the target.
+
+        Parameters
+        ----------
+        factor : float
+            Above 0; below 1 moves closer.
 
         Returns
         -------

@@ -36,7 +36,18 @@ def gl_thread() -> ThreadPoolExecutor:
 
 
 def on_gl_thread(function: Callable[[], Result]) -> Result:
-    """Call a function on the GL thread, and wait for what it returns."""
+    """Call a function on the GL thread, and wait for what it returns.
+
+    Parameters
+    ----------
+    function : callable
+        Without arguments.
+
+    Returns
+    -------
+    object
+        What the function returns; what it raises is raised here.
+    """
     return gl_thread().submit(function).result()
 
 

@@ -151,6 +151,11 @@ class SideBySide:
         Camera
             From nobody's hand: the one that fits the shape. Else the view's own, moved
             back as far as a narrower picture needs.
+
+        Raises
+        ------
+        ValueError
+            An ``aspect`` that is no finite number above 0.
         """
         aspect = check_number(aspect, "aspect", 0, open_low=True)
         if self.camera == self._camera_home():

@@ -231,6 +231,11 @@ class View(SideBySide):
         panel : int
         x, y : float
             From -1 at the panel's left and bottom edge to 1 at its right and top edge.
+
+        Raises
+        ------
+        ValueError
+            No such panel.
         """
         if self._on_pick is None:
             return
@@ -240,7 +245,18 @@ class View(SideBySide):
             self._on_pick(panel, vertex)
 
     def fit(self, aspect: float) -> None:
-        """Say the panels' shape, width over height; the page does."""
+        """Say the panels' shape, width over height; the page does.
+
+        Parameters
+        ----------
+        aspect : float
+            Above 0.
+
+        Raises
+        ------
+        ValueError
+            An ``aspect`` that is no finite number above 0.
+        """
         untouched = self.camera == self._camera_home()
         self.aspect = check_number(aspect, "aspect", 0, open_low=True)
         if untouched:

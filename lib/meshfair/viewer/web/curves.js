@@ -1,8 +1,8 @@
 // Curves or points with axes, a legend, and a marker at one x; a click picks an x.
 
 const MARGIN = { left: 46, right: 14, top: 8, bottom: 34 };
-// Told apart on light and on dark paper, and by colour-blind readers.
-const COLORS = ["#3b8fd6", "#e07b1a", "#17a679", "#b86fb8"];
+// Those of meshfair.plotting for all that is no weights: told apart on light and on dark paper.
+const COLORS = ["#AF58BA", "#A68A00", "#808080", "#8C6D5A"];
 const SVG = "http://www.w3.org/2000/svg";
 
 function draw(name, attributes, parent, text) {

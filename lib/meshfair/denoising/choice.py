@@ -1,0 +1,308 @@
+"""The choice of a method and its parameters, from the noisy mesh alone.
+
+Each candidate is tried, on a sample of a large mesh; `meshfair.denoising.forecast` tells from
+the traits of what comes of it how much of the noisy mesh's error is left, and the least wins.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from meshfair.checks import Booleans, Floats, Integers, MeshError
+from meshfair.denoising.forecast import forecast
+from meshfair.denoising.registry import (
+    BUILT_IN,
+    Parameters,
+    defaults,
+    distinct,
+    find_method,
+    same,
+    with_noise,
+)
+from meshfair.denoising.traits import Traits
+from meshfair.mesh import face_shapes, mean_edge_length
+from meshfair.solve import SolveError
+
+# Numbers of iterations at which a result is looked at, beside the last.
+STEPS = frozenset((0, 1, 2, 3, 5, 8, 12, 20, 30, 45))
+# Among all methods: without those that are nearly another one.
+ALL = tuple(name for name in BUILT_IN if name not in ("heat", "regularised", "bilateral"))
+# Filters whose results all others are compared with: in the order of the forecast's traits.
+REFERENCES: tuple[tuple[str, Parameters], ...] = (
+    ("learned", {}),
+    ("learned", {"stages": 1}),
+    *((name, {}) for name in ("taubin", "averaging", "feature-convinced", "bilateral-normal")),
+    *((name, {}) for name in ("l0", "sun", "guided-normal", "bilateral")),
+)
+WHOLE = 4_000
+"""Faces up to which a mesh is tried whole; of a larger one `PATCHES` patches are."""
+PATCHES, PATCH = 4, 800
+# What another choice than the usual one has to promise more, in log ratio; and what a gain of a
+# decibel is worth: of choices that leave the normals alike, the one nearer to the true place.
+MARGIN, WORTH = 0.03, 0.05
+# What the residual's parts look like for each kind of noise: measured on training's meshes.
+ISOTROPIC, IMPULSIVE, CORRELATED = 0.9, 0.3, 0.3
+FIRST = "learned"
+"""The method that is chosen where nothing speaks for another."""
+
+
+class Candidate(NamedTuple):
+    """A method with parameters, and what comes of it on the sample."""
+
+    method: str
+    parameters: Parameters
+    """With None where the mesh decides."""
+    stop: int | None
+    """The number of new positions after which it stops; None: it runs to its end."""
+    X: Floats
+    """Its result, shape (n, 3)."""
+
+
+class Choice(NamedTuple):
+    """A method with parameters, as in `Candidate`, and what is expected of it."""
+
+    method: str
+    parameters: Parameters
+    stop: int | None
+    ratio: float
+    """The normals' error after and before."""
+    reason: str
+    """Why it was chosen, in a sentence."""
+
+
+class Chooser:
+    """Tries candidates on a mesh.
+
+    Parameters
+    ----------
+    V : ndarray of float64, shape (n, 3)
+        Noisy positions.
+    F : ndarray of int64, shape (m, 3)
+    chosen : dict
+        Parameters that are given, for all candidates; ``fixed`` as a mask.
+    sigma : float, optional
+        The known noise size.
+    report : function
+        Called with the progress, 0 to 1.
+
+    Attributes
+    ----------
+    vertices : ndarray of int64, shape (k,)
+        Those of the sample.
+    V, F
+        The sample, as V and F are given.
+
+    Raises
+    ------
+    MeshError
+        All edges have length 0.
+    """
+
+    def __init__(
+        self,
+        V: Floats,
+        F: Integers,
+        chosen: Parameters,
+        sigma: float | None,
+        report: Callable[[float], None],
+    ) -> None:
+        if mean_edge_length(V, F) == 0:
+            raise MeshError(
+                "V, F: all edges have length 0, so that no noise can be told from shape"
+            )
+        self.vertices, self.F = sample(V, F)
+        self.V, self.chosen, self.report = V[self.vertices], chosen, report
+        if chosen.get("fixed") is not None:
+            self.chosen = chosen | {"fixed": chosen["fixed"][self.vertices]}
+        self.sigma = sigma
+        self.traits = Traits(self.V, self.F, sigma)
+        self.failed: list[tuple[Parameters, SolveError]] = []
+        self.tried = 0
+        self._known: list[Candidate] = []
+        for number, (name, parameters) in enumerate(REFERENCES, start=1):
+            parameters = defaults(name) | parameters
+            X = self._reference(name, parameters)
+            self.traits.add_reference(X)
+            self._known.append(Candidate(name, parameters, None, X))
+            report(0.5 * number / len(REFERENCES))
+
+    def ranked(self, names: Sequence[str]) -> list[Choice]:
+        """All candidates of some methods, the best one first.
+
+        Parameters
+        ----------
+        names : sequence of str
+
+        Returns
+        -------
+        list of Choice
+
+        Raises
+        ------
+        SolveError
+            No candidate can be solved.
+        """
+        candidates = self.candidates(names)
+        expected = forecast(self.rows(candidates))
+        untouched = np.array([c.X is self.V for c in candidates])
+        usual = FIRST if len(names) > 1 else names[0]
+        is_usual = np.array([c.stop is None and c.method == usual for c in candidates])
+        score = ranking(expected.log_ratio, expected.gain, untouched, is_usual)
+        ratio = np.where(untouched, 1, expected.ratio)
+        return [
+            Choice(c.method, c.parameters, c.stop, float(ratio[k]), self._reason(c, ratio[k]))
+            for k in np.argsort(score, kind="stable")
+            for c in (candidates[k],)
+        ]
+
+    def candidates(self, names: Sequence[str]) -> list[Candidate]:
+        """Try all candidates of some methods; those those of one alone at more of their steps.
+
+        Parameters
+        ----------
+        names : sequence of str
+
+        Returns
+        -------
+        list of Candidate
+
+        Raises
+        ------
+        SolveError
+            None can be solved.
+        """
+        trials = [(name, p) for name in names for p in self._parameters(name)]
+        self.tried = len(trials)
+        candidates: list[Candidate] = []
+        for number, (name, parameters) in enumerate(trials, start=1):
+            stops = STEPS if len(names) == 1 or len(find_method(name).candidates) == 1 else ()
+            try:
+                candidates += self._results(name, parameters, stops)
+            except SolveError as error:
+                self.failed.append((parameters, error))
+            self.report(0.5 + 0.5 * number / len(trials))
+        if not candidates:
+            raise self.failed[0][1]
+        return candidates
+
+    def rows(self, candidates: list[Candidate]) -> Floats:
+        """The traits of candidates, as `meshfair.denoising.forecast` takes them.
+
+        Parameters
+        ----------
+        candidates : list of Candidate
+
+        Returns
+        -------
+        ndarray of float64, shape (number of candidates, number of traits)
+        """
+        of_mesh, traits = self.traits.of_mesh(), self.traits
+        return np.array(
+            [
+                np.concatenate([of_mesh, traits.of_result(c.X), traits.of_noise_size(c.X)])
+                for c in candidates
+            ]
+        )
+
+    def _parameters(self, name: str) -> list[Parameters]:
+        """Those of a method's trials, each once: its defaults first."""
+        given = with_noise(name, self.chosen, self.sigma)
+        return distinct(defaults(name) | p | given for p in ({}, *find_method(name).candidates))
+
+    def _reference(self, name: str, parameters: Parameters) -> Floats:
+        try:
+            *_, (_, X) = find_method(name).function(
+                self.V, self.F, **self._filled(name, parameters)
+            )
+        except SolveError:  # the noisy mesh stands for what cannot be solved
+            return self.V
+        return X
+
+    def _filled(self, name: str, parameters: Parameters) -> Parameters:
+        return find_method(name).filled_in(self.V, self.F, parameters)
+
+    def _results(
+        self, name: str, parameters: Parameters, stops: Collection[int]
+    ) -> Iterator[Candidate]:
+        """What comes of a trial, and after which iterations it may stop before that."""
+        method = find_method(name)
+        if not stops:
+            for known in self._known:
+                if known.method == name and same(parameters, known.parameters):
+                    yield known
+                    return
+        last, count = self.V, 0
+        for _, X in method.function(self.V, self.F, **self._filled(name, parameters)):
+            if X is not last:
+                if method.count and count in stops:
+                    yield Candidate(name, parameters, count, last)
+                last, count = X, count + 1
+        yield Candidate(name, parameters, None, last)
+
+    def _reason(self, candidate: Candidate, ratio: float) -> str:
+        """What the noise looks like beside the result, and what is left of it."""
+        if candidate.X is self.V:
+            return "left as it is: nothing promises to bring it closer to the true mesh"
+        along, across = self.traits.residual(candidate.X)
+        size = np.sqrt(np.mean(along**2))
+        words = ["along the normals", "in all directions"]
+        kind = words[int(np.sqrt(np.mean(np.sum(across**2, axis=1))) > ISOTROPIC * size)]
+        if np.median(np.abs(along)) < IMPULSIVE * size:
+            kind += ", at some vertices more"
+        i, j = self.traits.edges.ends.T
+        if np.mean(along[i] * along[j]) > CORRELATED * size**2:
+            kind += ", alike at neighbours"
+        return f"noise of {size:.2g} edges {kind}; {ratio:.0%} of the error should be left"
+
+
+def ranking(log_ratio: Floats, gain: Floats, untouched: Booleans, usual: Booleans) -> Floats:
+    """What candidates are ranked by, the least first.
+
+    Parameters
+    ----------
+    log_ratio, gain : ndarray of float64, shape (r,)
+        See `meshfair.denoising.forecast.Forecast`.
+    untouched : ndarray of bool, shape (r,)
+        Which ones are the noisy mesh itself.
+    usual : ndarray of bool, shape (r,)
+        Which ones are of the method that is chosen where nothing speaks for another;
+        the first one of them, with its defaults, counts.
+
+    Returns
+    -------
+    ndarray of float64, shape (r,)
+    """
+    score = log_ratio - WORTH * gain
+    score[untouched] = 0
+    score[np.flatnonzero(usual)[:1]] -= MARGIN
+    return score
+
+
+def sample(V: Floats, F: Integers) -> tuple[Integers, Integers]:
+    """A mesh's vertices and faces, or those of some patches of a large one.
+
+    Parameters
+    ----------
+    V : ndarray of float64, shape (n, 3)
+    F : ndarray of int64, shape (m, 3)
+
+    Returns
+    -------
+    vertices : ndarray of int64, shape (k,)
+        Which ones they are.
+    F : ndarray of int64, shape (l, 3)
+        Their faces, by positions in ``vertices``.
+    """
+    if len(F) <= WHOLE:
+        return np.arange(len(V)), F
+    C = face_shapes(V, F)[2]
+    axis = np.linalg.svd(np.cov(C.T))[0][:, 0]  # along which the mesh is longest
+    order = np.argsort(C @ axis, kind="stable")
+    centres = C[order[(2 * np.arange(PATCHES) + 1) * len(F) // (2 * PATCHES)]]
+    faces = np.unique(cKDTree(C).query(centres, PATCH)[1])
+    vertices, small = np.unique(F[faces], return_inverse=True)
+    return vertices, small.reshape(-1, 3)

@@ -1,0 +1,103 @@
+"""A forecast of how well a filter has done on a noisy mesh, learned from meshes with ground truth.
+
+Gradient boosting [Friedman01]_: the forecast is a sum of many small decision trees over the
+traits of the mesh and of the filter's result (`meshfair.denoising.traits`). Stein's estimate
+(`meshfair.sure`) needs white Gaussian noise of known size; this one has seen other noise, too.
+How the trees came about: `data_scripts/train/choices.py`.
+
+References
+----------
+.. [Friedman01] J. Friedman, "Greedy function approximation: a gradient boosting machine",
+   Annals of Statistics 29, 2001.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from importlib.resources import files
+from typing import NamedTuple
+
+import numpy as np
+
+from meshfair.checks import Floats, Integers
+
+LEAST_ANGLE = 0.1
+"""Degrees that are added to both angles of a ratio, so that clean meshes have one."""
+
+
+class Forest(NamedTuple):
+    """Decision trees whose leaves are added up, all of their nodes in one array."""
+
+    start: float
+    """What all sums begin with."""
+    roots: Integers
+    """The first node of each tree, shape (t,)."""
+    feature: Integers
+    """The trait that a node looks at, shape (k,); -1 at a leaf."""
+    threshold: Floats
+    """A trait up to this leads to the left, shape (k,)."""
+    left: Integers
+    """The node to the left, shape (k,); the node to the right is `right`."""
+    right: Integers
+    unknown_left: Integers
+    """1 where a trait that is not a number leads to the left, shape (k,)."""
+    value: Floats
+    """What a leaf adds, shape (k,)."""
+
+    def __call__(self, X: Floats) -> Floats:
+        """The sums for rows of traits.
+
+        Parameters
+        ----------
+        X : ndarray of float64, shape (r, number of traits)
+
+        Returns
+        -------
+        ndarray of float64, shape (r,)
+        """
+        node = np.repeat(self.roots[None], len(X), axis=0)
+        row = np.arange(len(X))[:, None]
+        while (inner := self.feature[node] >= 0).any():
+            x = X[row, self.feature[node]]
+            left = np.where(np.isnan(x), self.unknown_left[node] == 1, x <= self.threshold[node])
+            node = np.where(inner, np.where(left, self.left[node], self.right[node]), node)
+        return self.start + self.value[node].sum(axis=1)
+
+
+class Forecast(NamedTuple):
+    """What is expected of results, one entry for each."""
+
+    log_ratio: Floats
+    """log((angle + 0.1) / (noisy angle + 0.1)) of the mean normal angles in degrees."""
+    gain: Floats
+    """What the SNR gains, in decibels."""
+
+    @property
+    def ratio(self) -> Floats:
+        """The normals' error after and before: 0.1 where a tenth of it is left."""
+        return np.exp(self.log_ratio)
+
+
+def forecast(X: Floats) -> Forecast:
+    """How much closer than the noisy mesh results are to the ground truth.
+
+    Parameters
+    ----------
+    X : ndarray of float64, shape (r, number of traits)
+        A row of traits for each result.
+
+    Returns
+    -------
+    Forecast
+    """
+    return Forecast(*(forest(X) for forest in forests()))
+
+
+@cache
+def forests() -> tuple[Forest, Forest]:
+    """The trees for the ratio and for the gain, from the file that comes with the package."""
+    with np.load(str(files("meshfair.denoising") / "forecast.npz")) as file:
+        return tuple(
+            Forest(*(file[f"{name}/{field}"] for field in Forest._fields))
+            for name in Forecast._fields
+        )  # type: ignore[return-value]

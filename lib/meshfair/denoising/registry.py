@@ -1,0 +1,221 @@
+"""The filters by name, with what there is to know of each: `register`, `methods`, `defaults`."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from meshfair import filters
+from meshfair.checks import Floats, Integers, did_you_mean
+from meshfair.filters.feature_convinced import fill_in
+
+Parameters = dict[str, Any]
+States = Iterator[tuple[float, Floats]]
+
+
+@dataclass(frozen=True)
+class Method:
+    """A filter, and what automatic parameters need to know of it."""
+
+    function: Callable[..., States]
+    """Called as ``function(V, F, **parameters)``, yields progress and positions."""
+    candidates: list[Parameters]
+    """Parameters, as dicts, among which to choose."""
+    count: str | Callable[[Parameters, int], Parameters] | None = None
+    """The parameter that says how often it yields new positions, so that it can end
+    earlier; or a function from its parameters and k to those with which it ends at the k-th
+    new positions; None where only the last ones are a result."""
+    fill_in: Callable[[Floats, Integers, Parameters], Parameters] | None = None
+    """``fill_in(V, F, parameters)``: the parameters with those that are None chosen from
+    the mesh; None where there are none of that kind."""
+    noise: str | None = None
+    """The parameter that takes the noise's size, if there is one."""
+    normals: bool = True
+    """Whether it uses normals, so that faces have to be turned consistently."""
+
+    def filled_in(self, V: Floats, F: Integers, parameters: Parameters) -> Parameters:
+        """The parameters with those that are None chosen from the mesh."""
+        return self.fill_in(V, F, parameters) if self.fill_in else parameters
+
+    def stopped(self, parameters: Parameters, k: int) -> Parameters:
+        """The parameters with which it ends where it now yields its k-th new positions.
+
+        Parameters
+        ----------
+        parameters : dict
+        k : int
+
+        Returns
+        -------
+        dict
+        """
+        if callable(self.count):
+            return self.count(parameters, k)
+        return parameters | {self.count: k} if self.count else parameters
+
+
+def _heat_until(parameters: Parameters, k: int) -> Parameters:
+    return parameters | {"time": min(parameters["time"], k * parameters["tau"])}
+
+
+def _grid(**values: Sequence[Any]) -> list[Parameters]:
+    """Candidates with all combinations of several parameters' values."""
+    return [dict(zip(values, chosen, strict=True)) for chosen in product(*values.values())]
+
+
+# Candidates are spread so widely that the best lies among them, on smooth and on sharp meshes.
+_STRENGTHS = (0.0, 0.0625, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
+
+_METHODS: dict[str, Method] = {
+    "averaging": Method(filters.averaging, [{"iterations": 30}], "iterations", normals=False),
+    "heat": Method(filters.heat, [{"time": 20.0}], _heat_until, normals=False),
+    "implicit": Method(filters.implicit, _grid(step=_STRENGTHS), normals=False),
+    "regularised": Method(filters.regularised, _grid(order=(1, 2), lam=_STRENGTHS), normals=False),
+    "taubin": Method(filters.taubin, [{"iterations": 60}], "iterations", normals=False),
+    "bilateral": Method(filters.bilateral, [{"iterations": 20}], "iterations"),
+    "sun": Method(
+        filters.sun,
+        _grid(normal_iterations=(5, 20), threshold=(0.3, 0.6)),
+        "vertex_iterations",
+    ),
+    "bilateral-normal": Method(
+        filters.bilateral_normal,
+        _grid(normal_iterations=(2, 5, 20), sigma_normal=(0.35, 0.5)),
+        "vertex_iterations",
+    ),
+    "guided-normal": Method(filters.guided_normal, _grid(sigma_normal=(0.35, 0.5)), "iterations"),
+    "l0": Method(filters.l0, _grid(lam=(0.05, 0.2)), normals=False),
+    "feature-convinced": Method(
+        filters.feature_convinced,
+        _grid(vertex_iterations=(1, 2), sigma_normal=(0.25, 0.35, 0.5)),
+        "iterations",
+        fill_in,
+        "noise",
+    ),
+    "learned": Method(filters.learned, _grid(stages=(1, 2))),
+}
+BUILT_IN = tuple(_METHODS)
+"""The methods that come with the package, among which "auto" chooses."""
+DEFAULT = "auto"
+"""The method of `denoise` where none is named."""
+
+
+def register(
+    name: str,
+    *,
+    candidates: Iterable[Parameters] = ({},),
+    count: str | Callable[[Parameters, int], Parameters] | None = None,
+    fill_in: Callable[[Floats, Integers, Parameters], Parameters] | None = None,
+    noise: str | None = None,
+    normals: bool = True,
+) -> Callable[[Callable[..., States]], Callable[..., States]]:
+    """Make a filter known to `denoise` by a name; a decorator.
+
+    For example::
+
+        @denoising.register("halfway", candidates=[{"iterations": 10}], count="iterations")
+        def halfway(V, F, *, iterations=3):
+            A = averaging(weights.combinatorial(F, len(V)))
+            for k in range(iterations):
+                V = (V + A @ V) / 2
+                yield (k + 1) / iterations, V
+
+    Parameters
+    ----------
+    name : str
+        A name in use is taken over.
+    candidates : sequence of dict
+        Parameters among which ``parameters="auto"`` chooses.
+    count : str or function, optional
+        The parameter that says how often the filter yields new positions; or a
+        function from its parameters (a dict) and a number k to those with which it ends
+        where it now yields new positions for the k-th time. With it, "auto" also
+        chooses when to stop.
+    fill_in : function, optional
+        From V, F and parameters (a dict) to the parameters with those that are None
+        chosen from the mesh, so that a result can name what was used.
+    noise : str, optional
+        The parameter that takes the size of the noise, which ``sigma`` of `denoise` is.
+    normals : bool
+        Whether it uses normals, so that faces that are turned against each other have to be
+        turned first.
+
+    Returns
+    -------
+    function
+        A decorator that leaves the filter as it is. The filter takes V, F and keyword
+        parameters that all have defaults, and yields progress (0 to 1) and positions.
+    """
+
+    def add(function: Callable[..., States]) -> Callable[..., States]:
+        _METHODS[name] = Method(function, list(candidates), count, fill_in, noise, normals)
+        return function
+
+    return add
+
+
+def methods() -> list[str]:
+    """The names of all methods, in the order in which they were registered.
+
+    "auto", which chooses one of those that come with the package, is not among them.
+
+    Returns
+    -------
+    list of str
+    """
+    return list(_METHODS)
+
+
+def defaults(method: str) -> Parameters:
+    """The parameters of a method and their default values.
+
+    Parameters
+    ----------
+    method : str
+
+    Returns
+    -------
+    dict
+
+    Raises
+    ------
+    ValueError
+        No method has this name.
+    """
+    signature = inspect.signature(find_method(method).function)
+    return {name: p.default for name, p in signature.parameters.items() if name not in ("V", "F")}
+
+
+def find_method(method: str) -> Method:
+    """The method of a name, or an error that names those there are."""
+    if method not in _METHODS:
+        raise ValueError(
+            f"no method is called {method!r}; there are {', '.join(_METHODS)}"
+            f"{did_you_mean(method, _METHODS)}"
+        )
+    return _METHODS[method]
+
+
+def same(first: Parameters, second: Parameters) -> bool:
+    """Whether parameters agree; ``fixed`` may be an array."""
+    return all(np.array_equal(first[name], second[name]) for name in first)
+
+
+def distinct(trials: Iterable[Parameters]) -> list[Parameters]:
+    """The parameters, those that come again left out."""
+    found: list[Parameters] = []
+    for parameters in trials:
+        if not any(same(parameters, other) for other in found):
+            found.append(parameters)
+    return found
+
+
+def with_noise(method: str, chosen: Parameters, sigma: float | None) -> Parameters:
+    """The chosen parameters, with the known noise where the method uses it."""
+    noise = find_method(method).noise
+    return chosen if noise is None or sigma is None else {noise: sigma} | chosen

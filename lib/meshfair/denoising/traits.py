@@ -1,0 +1,188 @@
+"""Traits: what a noisy mesh and a filter's result on it show, in numbers.
+
+By these `meshfair.denoising.forecast` tells how well a filter has done, without the ground
+truth. They are ratios, angles, and lengths in mean edges of the noisy mesh, so that neither
+scale nor place matters. Many compare a result with those of reference filters: where filters
+that work in different ways agree, they are right more often than not.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from meshfair.checks import Floats, Integers
+from meshfair.mesh import Edges, face_shapes, interior_edges, mean_edge_length, normalised
+from meshfair.mesh.geometry import incidence
+from meshfair.sure import high_passes, noise_by_differences
+
+# Below these, logarithms and ratios are of rounding, not of a mesh.
+LENGTH, RATIO, SQUARE = 1e-3, 1e-4, 1e-8
+POWERS = 4
+"""Highest power of I - W~ whose output is looked at."""
+
+
+class Traits:
+    """Of one noisy mesh, and of what filters make of it.
+
+    Parameters
+    ----------
+    V : ndarray of float64, shape (n, 3)
+        Noisy positions.
+    F : ndarray of int64, shape (m, 3)
+    sigma : float, optional
+        The noise size, as a fraction of the mean edge length, if it is known.
+    """
+
+    def __init__(self, V: Floats, F: Integers, sigma: float | None = None) -> None:
+        self.V, self.F = V, F
+        self.length, self.sigma = mean_edge_length(V, F), sigma
+        self.B = incidence(F, len(V))
+        self.edges = Edges.of_all(F, len(V))
+        self.beside = interior_edges(F).faces.T
+        self.N, self.area, _ = face_shapes(V, F)
+        self.references: list[tuple[Floats, Floats]] = []
+        self._K = high_passes(F, len(V), POWERS)
+        self._norms = [np.sqrt(K.power(2).sum(axis=1)) for K in self._K]
+        for norm in self._norms:
+            norm[norm == 0] = 1  # a vertex without faces has no neighbours
+
+    def add_reference(self, X: Floats) -> None:
+        """Add a filter's result, shape (n, 3), with which all results are compared."""
+        self.references.append((X, face_shapes(X, self.F)[0]))
+
+    def of_mesh(self) -> Floats:
+        """The noisy mesh's own traits; the first reference's traits are among them.
+
+        Returns
+        -------
+        ndarray of float64, shape (k,)
+        """
+        smooth = self._averaged(self.V)
+        N, area, _ = face_shapes(smooth, self.F)
+        n = self._vertex_normals(N, area)
+        found: list[Any] = []
+        for power in range(POWERS):
+            along, across = self._high_frequencies(self.V, n, power)
+            low, middle, high, higher, highest = np.quantile(along, [0.25, 0.5, 0.75, 0.95, 0.995])
+            found += [
+                np.log(middle + LENGTH),
+                np.log(_rms(along) + LENGTH),
+                np.log((low + RATIO) / (high + RATIO)),
+                np.log((higher + RATIO) / (middle + RATIO)),
+                np.log((highest + RATIO) / (middle + RATIO)),
+                np.log(np.median(across) + LENGTH),
+            ]
+        lengths = np.log(self.edges.lengths(self.V) / self.length + LENGTH)
+        found += [*np.quantile(lengths, [0.05, 0.25, 0.75, 0.95])]
+        degrees = np.bincount(self.edges.ends.ravel(), minlength=len(self.V))
+        found += [np.mean(np.abs(degrees - 6))]
+        bends = self._bends(self.N)
+        found += [*np.quantile(bends, [0.1, 0.25, 0.5, 0.75, 0.9, 0.99]), bends.mean()]
+        return np.array([*found, np.log(len(self.V)), *self.of_result(self.references[0][0])])
+
+    def of_result(self, X: Floats) -> Floats:
+        """The traits of a result.
+
+        Parameters
+        ----------
+        X : ndarray of float64, shape (n, 3)
+
+        Returns
+        -------
+        ndarray of float64, shape (k,)
+        """
+        i, j = self.edges.ends.T
+        N, area, _ = face_shapes(X, self.F)
+        along, across = self.residual(X)
+        n = self._vertex_normals(N, area)
+        square, square_across = np.mean(along**2) + SQUARE, _mean_dot(across, across) + SQUARE
+        rough, _ = self._high_frequencies(X, n, 2)
+        bends = self._bends(N)
+        lengths = self.edges.lengths(X) / self.length
+        found: list[Any] = [
+            _angles(N, self.N).mean(),
+            np.log(np.sqrt(square) + LENGTH),
+            np.log(np.sqrt(square_across) + LENGTH),
+            np.log((np.mean(np.abs(along)) + RATIO) / np.sqrt(square)),
+            np.mean(along[i] * along[j]) / square,
+            np.mean(along * self._averaged(self._averaged(along))) / square,
+            _mean_dot(across[i], across[j]) / square_across,
+            np.mean(along) / np.sqrt(square),
+            np.log(np.median(rough) + LENGTH),
+            np.log(_rms(rough) + LENGTH),
+            bends.mean(),
+            *np.quantile(bends, [0.25, 0.5, 0.75, 0.9, 0.97]),
+            *(np.mean(bends < angle) for angle in (1, 3)),
+            *(np.mean(bends > angle) for angle in (25, 90)),
+            np.mean(np.sum(N * self.N, axis=1) < 0),
+            np.log(area.sum() / self.area.sum()),
+            np.log(lengths.mean() + SQUARE),
+            lengths.std(),
+        ]
+        found += [_angles(N, other).mean() for _, other in self.references]
+        for Y, _ in self.references:
+            found.append(np.log(np.sqrt(_mean_dot(X - Y, X - Y)) / self.length + LENGTH))
+        return np.array(found)
+
+    def of_noise_size(self, X: Floats) -> Floats:
+        """The known noise size beside its estimate, and beside what a result took away.
+
+        Parameters
+        ----------
+        X : ndarray of float64, shape (n, 3)
+
+        Returns
+        -------
+        ndarray of float64, shape (2,)
+            Not numbers where it is unknown.
+        """
+        if self.sigma is None:
+            return np.full(2, np.nan)
+        sigma = self.sigma + LENGTH
+        estimate, taken = noise_by_differences(self.V, self.F), _rms(self.residual(X)[0])
+        return np.log([sigma / (estimate + LENGTH), (taken + LENGTH) / sigma])
+
+    def residual(self, X: Floats) -> tuple[Floats, Floats]:
+        """What a result has taken away, in mean edges: along its normals (n,), and across (n, 3).
+
+        Parameters
+        ----------
+        X : ndarray of float64, shape (n, 3)
+        """
+        N, area, _ = face_shapes(X, self.F)
+        n, moved = self._vertex_normals(N, area), (self.V - X) / self.length
+        along = np.sum(moved * n, axis=1)
+        return along, moved - along[:, None] * n
+
+    def _high_frequencies(self, X: Floats, n: Floats, power: int) -> tuple[Floats, Floats]:
+        """Lengths of (I - W~)^(power + 1) X along normals n and across; 1 sigma for white noise."""
+        D = (self._K[power] @ X) / self._norms[power][:, None] / self.length
+        along = np.sum(D * n, axis=1)
+        return np.abs(along), np.linalg.norm(D - along[:, None] * n, axis=1)
+
+    def _averaged(self, X: Floats) -> Floats:
+        """W~ X."""
+        return X - self._K[0] @ X
+
+    def _bends(self, N: Floats) -> Floats:
+        if not self.beside.size:  # a mesh of separate triangles
+            return np.zeros(1)
+        return _angles(*(N[faces] for faces in self.beside))
+
+    def _vertex_normals(self, N: Floats, area: Floats) -> Floats:
+        return normalised(self.B @ (N * area[:, None]))
+
+
+def _angles(M: Floats, N: Floats) -> Floats:
+    """Between unit vectors, in degrees."""
+    return np.degrees(np.arccos(np.clip(np.sum(M * N, axis=1), -1, 1)))
+
+
+def _rms(x: Floats) -> float:
+    return float(np.sqrt(np.mean(x**2)))
+
+
+def _mean_dot(x: Floats, y: Floats) -> float:
+    return float(np.mean(np.sum(x * y, axis=1)))

@@ -1,0 +1,11 @@
+# task: fit
+# points: 0
+# hint: add up to 1
+import numpy as np
+
+
+def fit(G, N_true, ridge):
+    X = G.transpose(0, 2, 1).reshape(-1, G.shape[1])
+    A = X.T @ X + ridge * np.eye(X.shape[1])
+    table = np.linalg.solve(A, X.T @ N_true.ravel())
+    return table / table.sum()

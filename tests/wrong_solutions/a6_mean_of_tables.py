@@ -1,0 +1,21 @@
+# task: held_out
+# points: 0
+# hint: pool the equations
+import numpy as np
+
+
+def held_out(G, N_true, shape, ridge):
+    errors = []
+    for s in range(shape.max() + 1):
+        table = np.mean(
+            [
+                fit(G[shape == k], N_true[shape == k], ridge)
+                for k in range(shape.max() + 1)
+                if k != s
+            ],
+            axis=0,
+        )
+        N = filtered(G[shape == s], table)
+        cosine = np.clip((N * N_true[shape == s]).sum(axis=1), -1, 1)
+        errors.append(np.degrees(np.arccos(cosine)).mean())
+    return np.array(errors)

@@ -1,0 +1,14 @@
+# task: held_out
+# points: 0
+# hint: median angle
+import numpy as np
+
+
+def held_out(G, N_true, shape, ridge):
+    errors = []
+    for s in range(shape.max() + 1):
+        table = fit(G[shape != s], N_true[shape != s], ridge)
+        N = filtered(G[shape == s], table)
+        cosine = np.clip((N * N_true[shape == s]).sum(axis=1), -1, 1)
+        errors.append(np.median(np.degrees(np.arccos(cosine))))
+    return np.array(errors)

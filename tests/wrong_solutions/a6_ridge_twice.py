@@ -1,0 +1,10 @@
+# task: fit
+# points: 0
+# hint: counts twice
+import numpy as np
+
+
+def fit(G, N_true, ridge):
+    X = G.transpose(0, 2, 1).reshape(-1, G.shape[1])
+    A = X.T @ X + 2 * ridge * np.eye(X.shape[1])
+    return np.linalg.solve(A, X.T @ N_true.ravel())
