@@ -67,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
         page = options.out or _temporary(options.files[0])
         if options.out:
             files.check_free(page, inputs, options.force)
-        shown.page(page, ", ".join(names))
+        shown.save(page, ", ".join(names))
         opened = not options.no_open and _open(page)
         facts |= {"page": page, "opened": opened}
     if options.json:
@@ -79,10 +79,6 @@ def run(options: argparse.Namespace) -> int:
 
 def _check(options: argparse.Namespace, inputs: list[Path]) -> None:
     """Refuse before the work what could not be done after it."""
-    from meshfair.viewer.page import MOST
-
-    if (count := len(options.files)) > MOST:
-        raise ValueError(f"{count} files are more than a page holds; give up to {MOST}")
     if options.no_open and not (options.out or options.picture):
         raise ValueError("--no-open leaves nothing to do; keep the page by --out, or a --picture")
     pictures.check_picture(options.picture, inputs, options.force)

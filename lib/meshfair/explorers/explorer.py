@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import contextlib
 import html
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from os import PathLike
 from typing import Any
 
 import ipywidgets as widgets
 
 from meshfair.explorers.curves import CurvePlot
+from meshfair.explorers.states import recorded
 from meshfair.explorers.worker import Job, LatestWins
 from meshfair.viewer import View
+from meshfair.viewer.page import described, for_page, part, write_page
 from meshfair.viewer.view import with_still
 
 Settings = dict[str, Any]
@@ -35,14 +38,18 @@ class Explorer:
         All of it, to put into a layout of one's own.
     error : Exception or None
         What the last work failed with.
+    main : str
+        The control that has the most positions in a page without a kernel, and plays there.
     """
 
+    main = "iteration"
     controls: dict[str, Any]
     view: View
     plots: list[CurvePlot]
     widget: Any
 
     def __init__(self) -> None:
+        self._below: list[Any] = []
         self.error: Exception | None = None
         self._worker = LatestWins(self._work, self._progress, self._failed)
         self._note = widgets.HTML()
@@ -76,6 +83,7 @@ class Explorer:
             "status": widgets.HBox([self._note, self._busy]),
             "below": widgets.VBox(list(below)),
         }
+        self._below = list(below)
         for name, part in parts.items():
             part.add_class(f"meshfair-{name}-part")
         self.widget = widgets.Box(list(parts.values()))
@@ -144,8 +152,67 @@ class Explorer:
         self.error = error
         self.say(f"{type(error).__name__}: {error}")
 
+    def seen(self) -> tuple[str, str]:
+        """What stands below the controls now.
+
+        Returns
+        -------
+        note, below : str
+            The line, and what stands at the end, such as a table; HTML.
+        """
+        return self._note.value, "".join(part.value for part in self._below)
+
+    def to_html(self) -> str:
+        """Go through the settings, and give what is shown as a part of a web page.
+
+        The controls of the page go to stored states: it needs no kernel.
+
+        Returns
+        -------
+        str
+            HTML for a page that has the files of `meshfair.viewer.page_files`; without them,
+            or without WebGL, a still is seen.
+
+        Raises
+        ------
+        ImportError
+            matplotlib or Pillow is missing; the message says what to install.
+        """
+        self.wait(600)
+        label = described(self.view.titles, self.view.label)
+        with self._coming_back():
+            still = self.view.still()
+            packed = recorded(self).packed()
+        return part(packed, still, label)
+
+    def save(self, path: str | PathLike[str], title: str = "meshfair") -> None:
+        """Write a web page with the explorer, as `to_html` gives it.
+
+        Parameters
+        ----------
+        path : path
+            An HTML file; one that is there is replaced.
+        title : str
+            The page's.
+
+        Raises
+        ------
+        ValueError
+            A title that is no text.
+        ImportError
+            matplotlib or Pillow is missing; the message says what to install.
+        """
+        write_page(self.to_html(), path, title)
+
+    @contextlib.contextmanager
+    def _coming_back(self) -> Iterator[None]:
+        """Settings are gone through in this block; a subclass restores what they change."""
+        yield
+
     def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-        """The explorer, and a still of its view for readers without a kernel."""
+        """The explorer, and a still of its view for readers without a kernel; or a page's part."""
+        if for_page():
+            return {"text/html": self.to_html()}, {}
         with contextlib.suppress(TimeoutError):  # on a large mesh, the still shows less
             self.wait(5)
         return with_still(self.widget, self.view)

@@ -57,6 +57,8 @@ class FilterExplorer(Explorer):
         What is shown.
     """
 
+    main = "method"
+
     def __init__(
         self,
         meshes: Mapping[str, tuple[ArrayLike, ArrayLike]],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 import time
 import warnings
@@ -166,6 +167,12 @@ class FlowExplorer(Explorer):
         self._follow = True
         if self._run is not None and self._run.iterations >= 0:
             self._place(self._run)
+
+    @contextlib.contextmanager
+    def _coming_back(self) -> Iterator[None]:
+        follow = self._follow
+        yield
+        self._follow = follow
 
     # The work, in the background.
 

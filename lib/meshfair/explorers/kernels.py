@@ -88,6 +88,8 @@ class KernelExplorer(Explorer):
         How often the normals are filtered, at first.
     """
 
+    main = "passes"
+
     def __init__(
         self,
         meshes: Mapping[str, tuple[ArrayLike, ArrayLike]],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 from collections.abc import Iterator
 from typing import Any, NamedTuple
@@ -71,6 +72,7 @@ class LowPassExplorer(Explorer):
         Of the noise.
     """
 
+    main = "modes"
     quick = ("modes", "rival", "steps", "color")
 
     def __init__(self, V: ArrayLike, F: ArrayLike, *, size: float = 0.3, seed: int = 1) -> None:
@@ -143,6 +145,12 @@ class LowPassExplorer(Explorer):
         self._follow = True
         if self._found is not None:
             self._place()
+
+    @contextlib.contextmanager
+    def _coming_back(self) -> Iterator[None]:
+        follow, steps = self._follow, dict(self._steps)
+        yield
+        self._follow, self._steps = follow, steps
 
     def _work(self, job: Job, settings: Settings) -> None:
         key = {name: settings[name] for name in ("weights", "size")}

@@ -57,6 +57,8 @@ class NeighbourhoodExplorer(Explorer):
         Their numbers, counter-clockwise.
     """
 
+    main = "part"
+
     def __init__(
         self,
         V: ArrayLike,

@@ -37,6 +37,8 @@ class NoiseExplorer(Explorer):
         First size of the noise, in mean edge lengths.
     """
 
+    main = "size"
+
     def __init__(self, V: ArrayLike, F: ArrayLike, *, size: float = 0.2) -> None:
         super().__init__()
         self._V, self._F = check_mesh(V, F)

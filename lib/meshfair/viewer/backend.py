@@ -1,7 +1,7 @@
 """The one interface between a view and what draws it in the page.
 
 There are two back ends: `meshfair.viewer.frames` streams polyscope's pictures,
-`meshfair.viewer.in_page` lets the page draw. A view knows of them, and
+`meshfair.viewer.in_page` lets k3d draw in the page. A view knows of them, and
 they of a view, what stands here and no more.
 """
 
@@ -41,8 +41,9 @@ class Shown(Protocol):
     up: Floats
     camera: Camera
 
-    placed_camera: Camera
-    """The camera that sees the placed panels."""
+    @property
+    def placed_camera(self) -> Camera:
+        """The camera that sees the placed panels."""
 
     @property
     def scale(self) -> Scale | None:

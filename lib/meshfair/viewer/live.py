@@ -10,8 +10,8 @@ from meshfair.viewer.egl import has_egl
 def made(name: str | None, view: Shown) -> Backend:
     """What draws a view in the page, by name; its libraries are loaded here."""
     if name is None:
-        name = "polyscope" if has_egl() else "webgl"
-    name = check_choice(name, "backend", ("polyscope", "webgl"))
+        name = "polyscope" if has_egl() else "k3d"
+    name = check_choice(name, "backend", ("polyscope", "k3d"))
     if name == "polyscope":
         with needed_for("a live view"):
             from meshfair.viewer.frames import Frames

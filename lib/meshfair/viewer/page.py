@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import html
 import io
+import os
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -43,6 +44,11 @@ alt="{label}">
 <script type="application/octet-stream" class="packed">{packed}</script>
 </div>
 """
+
+
+def for_page() -> bool:
+    """Whether notebooks show what moves without a kernel: ``MESHFAIR_PAGE`` is set and not 0."""
+    return os.environ.get("MESHFAIR_PAGE", "0") not in ("", "0")
 
 
 def part(packed: str, still: Image, label: str) -> str:

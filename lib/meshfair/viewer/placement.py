@@ -54,11 +54,3 @@ class Placement:
             for point in (camera.position, camera.target)
         )
         return Camera(position, target, camera.up)
-
-    def back(self, camera: Camera) -> Camera:
-        """The camera that sees meshes where they are as this one sees the placed ones."""
-        position, target = (
-            tuple((self.size * np.array(point) + self.centre).tolist())
-            for point in (camera.position, camera.target)
-        )
-        return Camera(position, target, camera.up)

@@ -71,6 +71,18 @@ class Recording:
             }
         )
 
+    def place(self, number: int, at: Sequence[int]) -> None:
+        """Say at which positions of the controls a state is.
+
+        Parameters
+        ----------
+        number : int
+            Of the state, in the order in which they were added.
+        at : sequence of int
+            For each control, which of its texts.
+        """
+        self.states[number]["at"] = self._thing(list(at))
+
     def curves(self, traits: dict[str, Any]) -> dict[str, Any]:
         """The traits of a plot, of which the numbers are stored once for all states."""
         series = [

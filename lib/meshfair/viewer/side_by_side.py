@@ -102,10 +102,6 @@ class SideBySide:
         """The camera that sees the placed panels."""
         return self._placement.camera(self.camera)
 
-    @placed_camera.setter
-    def placed_camera(self, camera: Camera) -> None:
-        self.camera = self._placement.back(camera)
-
     @property
     def scale(self) -> Scale | None:
         """How the panels' values become colours now: a `Scale`, None without values."""

@@ -13,6 +13,7 @@ from meshfair.checks import check_choice, check_number, check_text, check_vertic
 from meshfair.viewer.arguments import coloring
 from meshfair.viewer.backend import Backend
 from meshfair.viewer.live import made
+from meshfair.viewer.page import for_page
 from meshfair.viewer.picking import pick
 from meshfair.viewer.side_by_side import SideBySide
 
@@ -272,7 +273,9 @@ class View(SideBySide):
             self._moved = self._moved or moved
 
     def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-        """The live view, and a still of it for readers without a kernel."""
+        """The live view, and a still of it for readers without a kernel; or a part of a page."""
+        if for_page():
+            return {"text/html": self.to_html()}, {}
         return with_still(self.widget, self)
 
 

@@ -5,7 +5,9 @@
 //   arrays    [bytes per entry, entries, stride, base] of each
 //   things    texts, curves, cameras: whatever states name by its number
 //   states    at (positions of the controls), panels, bar, cameras, plots, note, below
-//   controls  name, label, tooltip, kind (range, menu, box), texts of its positions, main, live
+//   controls  label, tooltip, kind (range, menu, box), texts of its positions, whether a box is
+//             checked in them, whether it is the main one, which plays
+//   live      a line at the end
 
 const NEAR = "300px"; // how far below what is seen things are made ready
 const PLAY = 200; // ms between two states while they play
@@ -160,9 +162,11 @@ class Player {
     }
     input.disabled = control.texts.length < 2;
     control.input = input;
+    const { checked } = control;
+    const position = () => (checked ? checked.indexOf(input.checked) : Number(input.value));
     const moved = () => {
       this.stop();
-      this.move(control, control.kind === "box" ? Number(input.checked) : Number(input.value));
+      this.move(control, position());
     };
     input.addEventListener("input", moved);
     input.addEventListener("keydown", (event) => event.stopPropagation());
@@ -244,8 +248,8 @@ class Player {
     this.aimed = state.cameras;
     if (!this.controls.length) return;
     this.at(state).forEach((place, k) => {
-      const { input, said, kind, texts } = this.controls[k];
-      if (kind === "box") input.checked = Boolean(place);
+      const { input, said, kind, texts, checked } = this.controls[k];
+      if (kind === "box") input.checked = checked[place];
       else input.value = place;
       if (said) said.textContent = texts[place];
       if (said) input.setAttribute("aria-valuetext", texts[place]);
