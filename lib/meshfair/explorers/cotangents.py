@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any
+from os import PathLike
+from typing import TYPE_CHECKING, Any
 
 import anywidget
 import numpy as np
 import traitlets
 
-from meshfair.checks import MeshWarning
+from meshfair.checks import MeshWarning, needed_for
 from meshfair.mesh.elements import Triangles
+from meshfair.viewer.page import for_page, part, write_page
+from meshfair.viewer.panel import SURFACE
+from meshfair.viewer.recording import pack
 from meshfair.viewer.scripts import text
+from meshfair.viewer.stills import INK
 from meshfair.weights import cotangent
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
 
 F = np.array([[0, 1, 2], [1, 0, 3]])
 START = ((0.0, 0.0), (0.0, 2.0), (-1.6, 1.2), (1.5, 0.8))
@@ -70,6 +78,73 @@ class CotangentExplorer(anywidget.AnyWidget):
         points = [list(point) for point in self.points]
         points[NAMES.index(name)] = [float(x) for x in place]
         self.points = points
+
+    def to_html(self) -> str:
+        """Give the explorer as a part of a web page, which then computes by itself.
+
+        Returns
+        -------
+        str
+            HTML for a page that has the files of `meshfair.viewer.page_files`; without them
+            a still is seen.
+
+        Raises
+        ------
+        ImportError
+            matplotlib or Pillow is missing; the message says what to install.
+        """
+        return part(pack({"points": self.points}), self._still(), self._said())
+
+    def save(self, path: str | PathLike[str], title: str = "meshfair") -> None:
+        """Write a web page with the explorer.
+
+        Parameters
+        ----------
+        path : path
+            An HTML file; one that is there is replaced.
+        title : str
+            The page's.
+
+        Raises
+        ------
+        ValueError
+            A title that is no text.
+        ImportError
+            matplotlib or Pillow is missing; the message says what to install.
+        """
+        write_page(self.to_html(), path, title)
+
+    def _said(self) -> str:
+        alpha, beta = self.angles
+        weight = "none" if self.weight is None else f"{self.weight:.2f}"
+        return f"Two triangles at an edge: α = {alpha:.0f}°, β = {beta:.0f}°, w_ij = {weight}"
+
+    def _still(self) -> Image:
+        """The triangles as a picture."""
+        with needed_for("a still picture"):
+            from matplotlib.backends.backend_agg import FigureCanvasAgg
+            from matplotlib.figure import Figure
+            from PIL import Image
+        figure = Figure(figsize=(5.2, 3.2), facecolor="none")
+        canvas = FigureCanvasAgg(figure)
+        axes = figure.add_axes((0, 0, 1, 0.9))
+        axes.set(xlim=(-2.6, 2.6), ylim=(-0.6, 2.4), aspect="equal")
+        axes.set_axis_off()
+        places = np.array(self.points)
+        for face in F:
+            axes.fill(*places[face].T, color=SURFACE, alpha=0.6, lw=0)
+        axes.plot(*places[:2].T, color=INK, lw=3)
+        for name, place in zip(("v_i", "v_j", r"\alpha", r"\beta"), places, strict=True):
+            axes.annotate(f"${name}$", place, color=INK, fontsize=12)
+        figure.suptitle(self._said(), fontsize=9, color=INK)
+        canvas.draw()
+        return Image.fromarray(np.array(canvas.buffer_rgba()))
+
+    def _repr_mimebundle_(self, **kwargs: Any) -> Any:
+        """The explorer, or a part of a page that computes by itself."""
+        if for_page():
+            return {"text/html": self.to_html()}, {}
+        return super()._repr_mimebundle_(**kwargs)
 
     def _compute(self) -> None:
         """Angles, cotangents and weight of the edge, as the package computes them."""

@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 import html
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import ipywidgets as widgets
 
 from meshfair.checks import check_choice, check_number, check_range
+from meshfair.viewer.page import for_page
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+
+class Answer(widgets.HTML):
+    """What `Prediction.reveal` tells; plain HTML in a page without a kernel."""
+
+    def _repr_mimebundle_(self, **kwargs: Any) -> Any:
+        if for_page():
+            return {"text/html": f"<p>{self.value}</p>"}, {}
+        return super()._repr_mimebundle_(**kwargs)
 
 
 class Prediction(widgets.VBox):
@@ -53,8 +63,9 @@ class Prediction(widgets.VBox):
         unit: str = "",
         step: float = 1,
     ) -> None:
-        self.unit, self._guess = unit, None
+        self.unit, self._guess, self._question = unit, None, question
         self._words = [end for end in ends if isinstance(end, str)]
+        self._choice = " or ".join(ends) if self._words else f"{ends[0]} to {ends[1]} {unit}"
         if self._words:
             self.control = widgets.ToggleButtons(options=self._words, value=None)
             self.control.style.button_width = "auto"
@@ -86,6 +97,13 @@ class Prediction(widgets.VBox):
                 self.answer,
             ]
         )
+
+    def _repr_mimebundle_(self, **kwargs: Any) -> Any:
+        """The question with its slider; in a page without a kernel, the question alone."""
+        if for_page():
+            asked = html.escape(f"{self._question} ({self._choice.strip()})")
+            return {"text/html": f"<p><b>Your guess.</b> {asked}</p>"}, {}
+        return super()._repr_mimebundle_(**kwargs)
 
     @property
     def guess(self) -> float | str | None:
@@ -129,7 +147,7 @@ class Prediction(widgets.VBox):
         """
         told = f"The answer is <b>{self._worded(answer)}</b>"
         if self._guess is None:
-            told = f"{told} (no guess was made above)"
+            told = told if for_page() else f"{told} (no guess was made above)"
         elif isinstance(answer, str) or isinstance(self._guess, str):
             told += f", you guessed {self._worded(self._guess)}"
         else:
@@ -137,7 +155,7 @@ class Prediction(widgets.VBox):
             near = gap <= max(1.5 * self.control.step, 0.1 * abs(answer))
             how = "that is close" if near else f"{self._worded(gap)} off"
             told += f", you guessed {self._worded(self._guess)}: {how}"
-        return widgets.HTML(f"{told}. {html.escape(why)}")
+        return Answer(f"{told}. {html.escape(why)}")
 
     def mark(self, axes: Axes, vertical: bool = True) -> None:
         """Draw the guess into a chart, if there is one.

@@ -10,11 +10,13 @@ from __future__ import annotations
 import html
 import itertools
 import time
+import warnings
 from collections.abc import Iterator, Sequence
 from typing import Any, Protocol
 
 import numpy as np
 
+from meshfair.checks import MeshWarning
 from meshfair.explorers.curves import CurvePlot
 from meshfair.viewer import View
 from meshfair.viewer.recording import Recording
@@ -87,7 +89,8 @@ def recorded(explorer: Played) -> Recording:
     for change in _changes(explorer.controls, before, main):
         if spent() > 1:
             break
-        _go(explorer, before | change)
+        # What changes goes last: it may move another control to where it is at its best.
+        _go(explorer, {k: v for k, v in before.items() if k not in change} | change)
         take()
     _go(explorer, before)
     recording.facts["controls"] = [
@@ -104,11 +107,14 @@ def recorded(explorer: Played) -> Recording:
 
 
 def _go(explorer: Played, settings: Settings) -> None:
-    """Move the controls, those of which others depend first, and wait."""
-    for name, value in settings.items():
-        if explorer.controls[name].value != value:
-            explorer.controls[name].value = value
-    explorer.wait(600)
+    """Move the controls one after the other, and wait."""
+    with warnings.catch_warnings():
+        # A few waves of a mesh, or many steps, leave next to nothing of it: that is to be seen.
+        warnings.simplefilter("ignore", MeshWarning)
+        for name, value in settings.items():
+            if explorer.controls[name].value != value:
+                explorer.controls[name].value = value
+        explorer.wait(600)
 
 
 def _changes(controls: dict[str, Any], before: Settings, main: str) -> Iterator[Settings]:

@@ -100,9 +100,7 @@ class Recording:
             "things": [json.loads(text) for text in self._things],
             "states": self.states,
         }
-        text = json.dumps(header, separators=(",", ":"), allow_nan=False).encode()
-        whole = struct.pack("<I", len(text)) + text + self._arrays.joined()
-        return base64.b64encode(zlib.compress(whole, 9)).decode("ascii")
+        return pack(header, self._arrays.joined())
 
     def _store(self, panel: int, kind: str, entries: Any, stride: int) -> int:
         latest = self._latest.setdefault((panel, kind), [])
@@ -118,3 +116,10 @@ class Recording:
 
     def _numbers(self, numbers: Sequence[float]) -> int:
         return self._thing([float(f"{x:.{DIGITS}g}") for x in numbers])
+
+
+def pack(header: dict[str, Any], arrays: bytes = b"") -> str:
+    """What player.js unpacks, as text for a page."""
+    text = json.dumps(header, separators=(",", ":"), allow_nan=False).encode()
+    whole = struct.pack("<I", len(text)) + text + arrays
+    return base64.b64encode(zlib.compress(whole, 9)).decode("ascii")
