@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from meshfair import plotting, shapes, viewer
-from meshfair.viewer import Camera, View, coloring, offscreen
+from meshfair.viewer import Camera, View, coloring, offscreen, scripts
 from meshfair.viewer.panel import Panel, Scale
 from meshfair.viewer.picking import pick
 
@@ -275,7 +275,7 @@ def test_curves_without_a_colour_take_none_of_the_weights():
 
 
 def test_explorers_have_the_colours_of_figures():
-    script = (ROOT / "lib/meshfair/explorers/curves.js").read_text(encoding="utf-8")
+    script = scripts.text("curves.js")
     given = re.search(r"const COLORS = (\[.*?\]);", script).group(1)
     assert tuple(json.loads(given)) == plotting.OTHER_COLORS[: len(json.loads(given))]
 

@@ -1,0 +1,355 @@
+"""Meshes and explorers in pages without a kernel: what is stored, and what a browser shows."""
+
+import base64
+import json
+import os
+import re
+import shutil
+import struct
+import warnings
+import zlib
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from meshfair import explorers, shapes, viewer
+from meshfair.explorers import states
+from meshfair.viewer import SideBySide, View, scripts
+from meshfair.viewer.packing import NO_VALUE
+from meshfair.viewer.recording import Recording
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+NUMBERS = {1: np.uint8, 2: np.uint16, 4: np.uint32}
+
+
+@pytest.fixture
+def knot():
+    return shapes.knot(30, 6)
+
+
+@pytest.fixture(scope="module")
+def heat():
+    """An explorer, and the page that it wrote of itself."""
+    explorer = explorers.HeatExplorer(*shapes.knot(30, 6), iterations=6)
+    explorer.wait()
+    return explorer
+
+
+def unpacked(part):
+    """Header and arrays of what `to_html` gives: written from the format, not from its writer."""
+    (text,) = re.findall(r'class="packed">([^<]*)</script>', part)
+    whole = zlib.decompress(base64.b64decode(text))
+    (length,) = struct.unpack("<I", whole[:4])
+    header, rest, arrays = json.loads(whole[4 : 4 + length]), whole[4 + length :], []
+    for width, count, stride, base in header.get("arrays", []):
+        planes = np.frombuffer(rest[: width * count], np.uint8).reshape(width, count)
+        rest = rest[width * count :]
+        found = sum(plane.astype(np.uint64) << 8 * k for k, plane in enumerate(planes))
+        found = found.astype(NUMBERS[width])
+        if base >= 0:
+            found = found + arrays[base]
+        else:
+            for k in range(stride):
+                found[k::stride] = np.cumsum(found[k::stride], dtype=NUMBERS[width])
+        arrays.append(found)
+    assert not rest
+    return header, arrays
+
+
+def positions(header, arrays, state, panel):
+    """A mesh's positions in units of the longest side of the first meshes' box."""
+    V, _, _, look, _ = header["states"][state]["panels"][panel]
+    return arrays[V].view(np.int16).reshape(-1, 3) * header["things"][look]["units"]
+
+
+@given(
+    st.floats(-12, 12),
+    st.floats(-4, 4),
+    st.integers(0, 2**32 - 1),
+    st.floats(1, 40),
+)
+def test_positions_are_stored_within_half_a_step(power, away, seed, growth):
+    rng = np.random.default_rng(seed)
+    V, F = shapes.icosphere(1)
+    V = 10**power * (V + 0.1 * rng.standard_normal(V.shape) + away)
+    view = SideBySide(V, F)
+    recording = Recording(view)
+    recording.add(view)
+    # A mesh that has outgrown the grid: its steps are longer, by a power of 2.
+    grown = SideBySide(growth * (V - V.mean(axis=0)) + V.mean(axis=0), F)
+    recording.add(grown)
+    header, arrays = unpacked(f'class="packed">{recording.packed()}</script>')
+    low, high = V.min(axis=0), V.max(axis=0)
+    side = (high - low).max()
+    for state, shown in enumerate((view, grown)):
+        wanted = (shown.panels[0].V - (low + high) / 2) / side
+        extent = max(1.0, 2 * np.abs(wanted).max())
+        # Half a step of 2^16 in the box, or of up to twice as long a one; and its last digits.
+        bound = (0.5 if extent == 1 else 1.0) * extent / 65535 * (1 + 1e-3)
+        assert np.abs(positions(header, arrays, state, 0) - wanted).max() <= bound
+
+
+def test_values_and_faces_come_back(knot):
+    V, F = knot
+    values = V[:, 0].copy()
+    values[3] = np.nan
+    header, arrays = unpacked(SideBySide([V, V], F, values=[values, None]).to_html())
+    (_, faces, places, look, _), (_, _, none, _, _) = header["states"][0]["panels"]
+    np.testing.assert_array_equal(arrays[faces].reshape(-1, 3), F)
+    known = np.isfinite(values)
+    part = (values - values[known].min()) / np.ptp(values[known])
+    assert arrays[places][3] == NO_VALUE
+    assert np.abs(arrays[places][known] / 254 - part[known]).max() <= 0.5 / 254 + 1e-12
+    assert none == -1
+    assert len(header["things"][look]["stops"]) == 17
+
+
+def test_what_states_have_in_common_is_stored_once(knot):
+    V, F = knot
+    view = SideBySide([V, V], F)
+    recording = Recording(view)
+    for _ in range(100):
+        recording.add(view)
+    header, arrays = unpacked(f'class="packed">{recording.packed()}</script>')
+    assert len(header["states"]) == 100
+    assert len(arrays) == 2  # positions and faces
+    # Raw, a hundred states of two panels are 12 bytes a face and 6 a vertex each.
+    assert len(recording.packed()) < (6 * len(V) + 12 * len(F))
+
+
+def test_an_explorer_goes_through_its_settings_and_comes_back(heat):
+    before, best = heat.settings(), heat.view.titles[2]
+    header, arrays = unpacked(heat.to_html())
+    assert heat.settings() == before
+    assert heat.view.titles[2] == best
+    controls, things = header["controls"], header["things"]
+    assert [control["label"] for control in controls] == [
+        "weights", "noise (edges)", "time step τ", "colour by", "iteration"
+    ]  # fmt: skip
+    assert [control["main"] for control in controls] == [False] * 4 + [True]
+    assert controls[0]["texts"] == ["combinatorial", "distance", "cotangent"]
+    assert controls[4]["texts"] == [str(k) for k in range(7)]
+    at = [things[state["at"]] for state in header["states"]]
+    assert len(set(map(tuple, at))) == len(at)
+    # The first is what was shown; each shows what Python computes with these settings.
+    again = explorers.HeatExplorer(*shapes.knot(30, 6), iterations=6)
+    V = again._mesh[0]
+    centre, side = (V.min(axis=0) + V.max(axis=0)) / 2, np.ptp(V, axis=0).max()
+    for state in (0, 3, len(at) - 1):
+        for k, (name, control) in enumerate(again.controls.items()):
+            text = controls[k]["texts"][at[state][k]]
+            options = dict(getattr(control, "options", ()))
+            control.value = options[text] if options else type(control.value)(text)
+        again.wait()
+        shown = header["states"][state]
+        assert things[shown["panels"][2][4]] == again.view.titles[2]
+        stored = centre + side * positions(header, arrays, state, 2)
+        np.testing.assert_allclose(stored, again.view.panels[2].V, atol=side / 65535)
+        (plot,) = things[shown["plots"]]
+        assert plot["marker"] == again.plots[0].marker
+
+
+def test_an_explorer_takes_no_more_of_a_page_than_it_may(monkeypatch):
+    explorer = explorers.HeatExplorer(*shapes.knot(60, 8), iterations=10)
+    explorer.wait()
+    whole = len(unpacked(explorer.to_html())[0]["states"])
+    monkeypatch.setattr(states, "LARGEST", 60_000)
+    packed = states.recorded(explorer).packed()
+    # One state more may be stored than there is room for.
+    assert len(packed) < 1.2 * 60_000
+    assert 2 < len(unpacked(f'class="packed">{packed}</script>')[0]["states"]) < whole
+
+
+def made():
+    V, F = shapes.knot(30, 5)
+    meshes = {"box": shapes.box(segments=2), "knot": (V, F)}
+    return {
+        "averaging": lambda: explorers.AveragingExplorer(V, F, iterations=3),
+        "comparison": lambda: explorers.ComparisonExplorer(V, F, iterations=3),
+        "eigenmodes": lambda: explorers.EigenmodeExplorer(V, F),
+        "filters": lambda: explorers.FilterExplorer(meshes),
+        "jet": lambda: explorers.JetExplorer(detail=0.4, iterations=2),
+        "kernels": lambda: explorers.KernelExplorer(meshes),
+        "low-pass": lambda: explorers.LowPassExplorer(V, F),
+        "neighbourhood": lambda: explorers.NeighbourhoodExplorer(V, F),
+        "noise": lambda: explorers.NoiseExplorer(V, F),
+        "own-mesh": lambda: explorers.DenoisingExplorer(V, F, iterations=3),
+        "stability": lambda: explorers.StabilityExplorer(V, F, iterations=3),
+    }
+
+
+@pytest.mark.parametrize("name", made())
+def test_every_explorer_has_a_form_without_a_kernel(name, monkeypatch):
+    monkeypatch.setattr(states, "LONGEST", 0.5)
+    explorer = made()[name]()
+    explorer.wait()
+    before = explorer.settings()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        monkeypatch.setenv("MESHFAIR_PAGE", "1")
+        data, _ = explorer._repr_mimebundle_()
+    assert list(data) == ["text/html"]
+    header, _ = unpacked(data["text/html"])
+    assert len(header["states"]) > 1
+    assert sum(control["main"] for control in header["controls"]) == 1
+    assert explorer.settings() == before
+    for state in header["states"]:
+        for place, control in zip(header["things"][state["at"]], header["controls"], strict=True):
+            assert 0 <= place < len(control["texts"])
+
+
+def test_a_page_is_asked_for_by_the_environment(knot, monkeypatch):
+    view, edge = View(*knot, titles="a <knot>", backend="k3d"), explorers.CotangentExplorer()
+    guess = explorers.Prediction("How <many>?", (0, 30), unit="dB")
+    shown = [view, edge, guess, guess.reveal(2, "So it is.")]
+    for value in ("", "0"):
+        monkeypatch.setenv("MESHFAIR_PAGE", value)
+        for one in shown:
+            assert "application/vnd.jupyter.widget-view+json" in one._repr_mimebundle_()[0]
+    monkeypatch.setenv("MESHFAIR_PAGE", "1")
+    texts = []
+    for one in shown:
+        data, _ = one._repr_mimebundle_()
+        assert list(data) == ["text/html"]
+        assert "\n\n" not in data["text/html"]  # Markdown would end the HTML there
+        texts.append(data["text/html"])
+    assert 'aria-label="A mesh: a &lt;knot&gt;."' in texts[0]
+    assert "How &lt;many&gt;? (0 to 30 dB)" in texts[2]
+    assert "The answer is <b>2 dB</b>. So it is." in texts[3]
+
+
+def test_the_files_of_pages_are_plain_scripts_and_styles():
+    found = viewer.page_files()
+    assert sorted(found) == ["meshfair.css", "meshfair.js"]
+    assert not re.search(r"^\s*(import|export)\b", found["meshfair.js"], re.MULTILINE)
+    assert "</script" not in found["meshfair.js"]
+    assert "</style" not in found["meshfair.css"]
+    assert len("".join(found.values()).encode()) < 100_000
+
+
+# In a browser
+
+
+@pytest.fixture(scope="module")
+def browser():
+    if CHROMIUM is None:
+        pytest.skip("no chromium is installed (Debian: apt-get install chromium)")
+    playwright = pytest.importorskip("playwright.sync_api")
+    software = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-first-run"]
+    sandbox = ["--no-sandbox"] if os.geteuid() == 0 else []
+    with playwright.sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=CHROMIUM, args=[*software, *sandbox])
+        yield browser
+        browser.close()
+
+
+def opened(browser, path, complaints, **options):
+    tab = browser.new_context(offline=True, **options).new_page()
+    tab.on("pageerror", lambda error: complaints.append(str(error)))
+    tab.on("console", lambda m: m.type == "error" and complaints.append(m.text))
+    tab.goto(path.as_uri())
+    return tab
+
+
+def rest(tab):
+    """Two frames, after which what was planned has been drawn."""
+    tab.evaluate("() => new Promise(go => requestAnimationFrame(() => requestAnimationFrame(go)))")
+
+
+def marker(tab):
+    return float(tab.get_attribute(".meshfair-curves svg line.marker", "x1"))
+
+
+@pytest.mark.xdist_group("browser")
+@pytest.mark.parametrize(("width", "scheme"), [(1440, "light"), (390, "dark")])
+def test_an_explorer_moves_in_a_page_on_file(browser, heat, tmp_path, width, scheme):
+    heat.save(tmp_path / "heat.html", "heat flow")
+    complaints = []
+    tab = opened(
+        browser, tmp_path / "heat.html", complaints,
+        viewport={"width": width, "height": 900}, color_scheme=scheme,
+    )  # fmt: skip
+    tab.wait_for_selector(".meshfair-player[data-ready=true] line.marker")
+    rest(tab)
+    assert tab.evaluate("document.documentElement.scrollWidth") <= width
+    stage = tab.locator(".stage").nth(2)
+    first, label = stage.screenshot(), tab.inner_text("figcaption >> nth=2")
+    assert label == heat.view.titles[2]
+    assert stage.get_attribute("aria-label") == f"Mesh: {label}"
+
+    box = stage.bounding_box()
+    middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    tab.mouse.move(*middle)
+    tab.mouse.down()
+    tab.mouse.move(middle[0] + 60, middle[1] + 20, steps=3)
+    tab.mouse.up()
+    rest(tab)
+    turned = stage.screenshot()
+    assert turned != first
+    tab.keyboard.press("ArrowLeft")
+    tab.keyboard.press("+")
+    rest(tab)
+    assert stage.screenshot() != turned
+    tab.keyboard.press("r")
+    rest(tab)
+    frame, before = int(stage.get_attribute("data-frame")), marker(tab)
+
+    slider = tab.locator(".along input[type=range]")
+    slider.focus()
+    slider.press("End")
+    rest(tab)
+    assert int(stage.get_attribute("data-frame")) > frame
+    assert marker(tab) > before
+    assert "t = 1.20" in tab.inner_text("figcaption >> nth=2")
+    assert slider.get_attribute("aria-valuetext") == "6"
+    tab.select_option(".controls select >> nth=0", label="cotangent")
+    rest(tab)
+    assert "cotangent" in tab.inner_text("figcaption >> nth=2")
+    tab.click("button.back")
+    rest(tab)
+    assert tab.inner_text("figcaption >> nth=2") == label
+    assert marker(tab) == before
+    assert complaints == []
+    tab.context.close()
+
+
+@pytest.mark.xdist_group("browser")
+def test_the_cotangent_explorer_computes_in_the_page(browser, tmp_path):
+    explorer, complaints = explorers.CotangentExplorer(), []
+    explorer.save(tmp_path / "edge.html")
+    tab = opened(browser, tmp_path / "edge.html", complaints)
+    tab.wait_for_selector(".meshfair-player[data-ready=true] .said")
+    assert f"= {explorer.weight:.2f}" in tab.inner_text(".said .weight")
+    handle = tab.locator(".handle.h2")
+    handle.focus()
+    for _ in range(13):
+        handle.press("ArrowRight")
+    explorer.move("a", (-0.3, 1.2))
+    assert explorer.weight < 0
+    assert f"= \u2212{-explorer.weight:.2f}" in tab.inner_text(".said .weight")
+    assert complaints == []
+    tab.context.close()
+
+
+@pytest.mark.xdist_group("browser")
+def test_without_scripts_or_webgl_the_still_stays(browser, knot, tmp_path):
+    SideBySide(*knot, titles="the knot").save(tmp_path / "knot.html")
+    tab = opened(browser, tmp_path / "knot.html", [], java_script_enabled=False)
+    assert tab.locator("img.still").bounding_box()["height"] > 100
+    assert tab.get_attribute("img.still", "alt") == "A mesh: the knot."
+    tab.context.close()
+
+    tab = browser.new_context().new_page()
+    tab.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
+    tab.goto((tmp_path / "knot.html").as_uri())
+    tab.wait_for_selector(".meshfair-player[data-failed=true] .error")
+    assert "no WebGL 2" in tab.inner_text(".error")
+    assert tab.locator("img.still").bounding_box()["height"] > 100
+    tab.context.close()
+
+
+def test_the_scripts_of_widgets_are_modules_of_their_own():
+    for names in (("stage.js", "frames.js"), ("curves.js",), ("cotangents.js",)):
+        assert scripts.text(*names).count(scripts.EXPORT) == 1
