@@ -117,7 +117,7 @@ class CotangentExplorer(anywidget.AnyWidget):
     def _said(self) -> str:
         alpha, beta = self.angles
         weight = "none" if self.weight is None else f"{self.weight:.2f}"
-        return f"Two triangles at an edge: α = {alpha:.0f}°, β = {beta:.0f}°, w_ij = {weight}"
+        return f"Two triangles at an edge: angles {alpha:.0f}° and {beta:.0f}°, w_ij = {weight}"
 
     def _still(self) -> Image:
         """The triangles as a picture."""

@@ -84,8 +84,8 @@ class Explorer:
             "below": widgets.VBox(list(below)),
         }
         self._below = list(below)
-        for name, part in parts.items():
-            part.add_class(f"meshfair-{name}-part")
+        for name, box in parts.items():
+            box.add_class(f"meshfair-{name}-part")
         self.widget = widgets.Box(list(parts.values()))
         self.widget.add_class("meshfair-explorer")
         if len(self.view.panels) == 1:  # which leaves room for the plots beside it

@@ -65,7 +65,7 @@ class Prediction(widgets.VBox):
     ) -> None:
         self.unit, self._guess, self._question = unit, None, question
         self._words = [end for end in ends if isinstance(end, str)]
-        self._choice = " or ".join(ends) if self._words else f"{ends[0]} to {ends[1]} {unit}"
+        self._choice = " or ".join(self._words) if self._words else f"{ends[0]} to {ends[1]} {unit}"
         if self._words:
             self.control = widgets.ToggleButtons(options=self._words, value=None)
             self.control.style.button_width = "auto"

@@ -16,7 +16,7 @@ from meshfair.viewer.placement import Placement
 
 NO_VALUE = 255  # among the places on the scale, which are from 0 to 254
 FINEST = 65535  # steps of a grid along the longest side of the first meshes
-ASPECTS = (0.5, 1.0, 1.5, 2.0, 3.0)  # shapes of panels, width over height, with cameras of their own
+ASPECTS = (0.5, 1.0, 1.5, 2.0, 3.0)  # of panels that have cameras of their own
 
 Entries = NDArray[Any]
 
