@@ -107,6 +107,7 @@ VALUES = {
     "fraction": 0.5,
     "method": "heat",
     "model": "gaussian",
+    "parameters": "default",
     "sigma": 0.1,
 }
 OTHER_POSITIONS = {"V_true", "V_noisy", "ground_truth", "X"}

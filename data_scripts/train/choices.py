@@ -24,7 +24,7 @@ from tqdm import tqdm
 
 from meshfair import _fast, mesh, metrics
 from meshfair.denoising import BUILT_IN
-from meshfair.denoising.choice import ALL, FIRST, Chooser, ranking
+from meshfair.denoising.choice import ALL, FIRST, WORTH, Chooser, ranking
 from meshfair.denoising.forecast import LEAST_ANGLE, Forest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -119,7 +119,7 @@ def report_choices(trees: Trees, examples: list[Example]) -> None:
     regret, regret_of_usual, worse = [], [], 0
     for e in examples:
         expected = {name: model.predict(e.rows) for name, model in trees.items()}
-        score = ranking(expected["log_ratio"], expected["gain"], e.untouched, e.usual)
+        score = ranking(expected["log_ratio"], WORTH * expected["gain"], e.untouched, e.usual)
         chosen, best = score.argmin(), e.angles.min() + LEAST_ANGLE
         regret.append((e.angles[chosen] + LEAST_ANGLE) / best)
         regret_of_usual.append((e.angles[e.usual.argmax()] + LEAST_ANGLE) / best)

@@ -19,7 +19,7 @@ NOISES = {
     "normals": "along the normals",
     "gaussian": "Gaussian",
     "uniform": "uniform",
-    "correlated": "correlated, as a scanner's",
+    "correlated": "correlated (as scanners leave it)",
     "impulsive": "impulsive (one in ten)",
 }
 

@@ -1,0 +1,215 @@
+"""The choice of a method and its parameters: traits by hand, trees by hand, and what is chosen."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import meshfair
+from meshes import grid
+from meshfair import denoising, metrics, noise, shapes
+from meshfair.denoising.choice import PATCH, PATCHES, WHOLE, Chooser, ranking, sample
+from meshfair.denoising.forecast import Forest, forests
+from meshfair.denoising.traits import Traits
+from meshfair.experiments import choices
+
+
+def noisy_torus(size=0.2, seed=0):
+    V, F = shapes.torus(sections=48, sides=20)
+    return noise.along_normals(V, F, size, np.random.default_rng(seed)), V, F
+
+
+def forest():
+    """Two trees: one asks for trait 0, and then for trait 1; the other is a leaf."""
+    return Forest(
+        start=10.0,
+        roots=np.array([0, 5]),
+        feature=np.array([0, -1, 1, -1, -1, -1]),
+        threshold=np.array([0.5, 0, 2.0, 0, 0, 0]),
+        left=np.array([1, 0, 3, 0, 0, 0]),
+        right=np.array([2, 0, 4, 0, 0, 0]),
+        unknown_left=np.array([0, 0, 1, 0, 0, 0]),
+        value=np.array([0, 1.0, 0, 2.0, 3.0, 0.25]),
+    )
+
+
+def test_trees_by_hand():
+    rows = np.array([[0.5, 9.0], [0.6, 2.0], [0.6, 2.1], [np.nan, 5.0], [0.6, np.nan], [0, np.nan]])
+    np.testing.assert_allclose(forest()(rows), 10.25 + np.array([1.0, 2, 3, 3, 2, 1]))
+
+
+def test_the_trees_are_those_that_were_trained():
+    with np.load(Path(__file__).parent / "forecast.npz") as file:
+        for tree, name in zip(forests(), ("log_ratio", "gain"), strict=True):
+            # Both add up the same leaves as double numbers, in another order.
+            np.testing.assert_allclose(tree(file["rows"]), file[name], rtol=1e-5, atol=1e-5)
+
+
+def test_traits_of_a_plane_by_hand():
+    V, F = grid(40)
+    rng = np.random.default_rng(0)
+    lifted = V + np.array([0, 0, 1e-3]) * rng.standard_normal((len(V), 1))
+    traits = Traits(lifted, F)
+    along, across = traits.residual(V)
+    np.testing.assert_allclose(along, lifted[:, 2] / traits.length, atol=1e-12)
+    np.testing.assert_allclose(across, 0, atol=1e-12)
+    # White noise of 1e-3: each power of I - W~, by its rows' norms, has that standard deviation,
+    # to four standard errors of 1,681 squares that are up to half dependent.
+    for power in range(4):
+        heights, _ = traits._high_frequencies(lifted, np.array([[0.0, 0, 1]]), power)
+        size = np.sqrt(np.mean(heights**2)) * traits.length
+        assert size == pytest.approx(1e-3, rel=4 * np.sqrt(2 / 1681))
+
+
+def test_traits_do_not_depend_on_place_scale_and_order():
+    V_noisy, V, F = noisy_torus()
+    rng = np.random.default_rng(1)
+    Q, order = np.linalg.qr(rng.normal(size=(3, 3)))[0], rng.permutation(len(V))
+    Q *= np.sign(np.linalg.det(Q))
+    place = np.argsort(order)
+
+    def seen(move, faces):
+        traits = Traits(move(V_noisy), faces, sigma=0.2)
+        traits.add_reference(move(V))
+        middle = move((V + V_noisy) / 2)
+        found = traits.of_mesh(), traits.of_result(middle), traits.of_noise_size(middle)
+        return np.concatenate(found)
+
+    here = seen(lambda X: X, F)
+    there = seen(lambda X: (7 * X @ Q.T + [3.0, -2, 1])[order], place[F][rng.permutation(len(F))])
+    # Logarithms and ratios of sums over a thousand vertices: rounding grows by the condition
+    # of the smallest of them, 1e-8 of a squared edge.
+    np.testing.assert_allclose(there, here, rtol=1e-6, atol=1e-6)
+    assert np.isfinite(here).all()
+
+
+def test_ranking_by_hand():
+    log_ratio, bonus = np.array([-1.0, -1.01, 5.0, -1.2]), np.array([0.0, 0, 0, -1.1])
+    untouched, usual = np.array([0, 0, 1, 0], bool), np.array([1, 0, 0, 0], bool)
+    score = ranking(log_ratio, bonus, untouched, usual)
+    np.testing.assert_allclose(score, [-1.03, -1.01, 0, -0.1])  # a margin; the noisy mesh has 0
+
+
+def test_a_large_mesh_is_tried_in_patches():
+    V, F = shapes.icosphere(5)
+    assert len(F) > WHOLE
+    vertices, small = sample(V, F)
+    assert PATCH < len(small) <= PATCHES * PATCH
+    original = {tuple(sorted(face)) for face in F.tolist()}
+    assert all(tuple(sorted(face)) in original for face in vertices[small].tolist())
+    assert np.array_equal(np.unique(small), np.arange(len(vertices)))
+    all_vertices, same = sample(*shapes.icosphere(2))
+    assert len(same) == 320
+    assert len(all_vertices) == 162
+
+
+def test_the_front_chooses_and_says_why():
+    V_noisy, V, F = noisy_torus()
+    result = meshfair.denoise(V_noisy, F, ground_truth=V)
+    again = meshfair.denoise(V_noisy, F, result.method, **result.parameters)
+    np.testing.assert_array_equal(result.V, again.V)
+    assert result.method in denoising.methods()
+    before = metrics.normal_angle(V_noisy, V, F)
+    # A torus under white noise of a fifth of an edge is not hard: every filter's default halves
+    # the angle there.
+    assert metrics.normal_angle(result.V, V, F) < before / 2
+    assert result.ratio < 1 / 2
+    assert result.reason.startswith("noise of 0.")
+    assert len(result.reason) < 100
+    assert result.history["normal_angle"].iloc[-1] == metrics.normal_angle(result.V, V, F)
+
+
+@pytest.mark.parametrize("size", [0.1, 0.2, 0.3])
+def test_the_knot_gains_six_decibels(size):
+    # Normal filters take the coarse tube for features: feature-convinced lost 3.6 dB at 0.2.
+    V, F = shapes.knot()
+    V_noisy = noise.along_normals(V, F, size, np.random.default_rng(5))
+    result = meshfair.denoise(V_noisy, F)
+    assert metrics.snr(V, result.V) > metrics.snr(V, V_noisy) + 6
+
+
+def test_what_nothing_helps_is_left_as_it_is(monkeypatch):
+    V_noisy, _, F = noisy_torus()
+    rows = []
+
+    def hopeless(X):
+        rows.append(X)
+        return meshfair.denoising.forecast.Forecast(np.full(len(X), 0.5), np.zeros(len(X)))
+
+    monkeypatch.setattr("meshfair.denoising.choice.forecast", hopeless)
+    result = meshfair.denoise(V_noisy, F)
+    np.testing.assert_array_equal(result.V, V_noisy)
+    assert result.ratio == 1
+    assert result.reason.startswith("left as it is")
+    again = meshfair.denoise(V_noisy, F, result.method, **result.parameters)
+    np.testing.assert_array_equal(again.V, V_noisy)
+    assert np.isfinite(rows[0][:, :-2]).all()  # but for the noise size, which is not known
+
+
+def test_a_known_noise_size_is_among_the_traits():
+    V_noisy, _, F = noisy_torus()
+    chooser = Chooser(V_noisy, F, {}, 0.2, lambda part: None)
+    rows = chooser.rows(chooser.candidates(["taubin"]))
+    assert np.isfinite(rows).all()
+    noise_parameter = {c.parameters["noise"] for c in chooser.candidates(["feature-convinced"])}
+    assert noise_parameter == {0.2}
+
+
+def test_parameters_without_a_method_are_refused():
+    V_noisy, _, F = noisy_torus()
+    with pytest.raises(ValueError, match=r"iterations is given, but method=\"auto\" chooses all"):
+        meshfair.denoise(V_noisy, F, iterations=3)
+
+
+def test_fixed_vertices_stay_whatever_is_chosen():
+    V, F = shapes.icosphere(5)  # large enough for patches
+    V_noisy = noise.along_normals(V, F, 0.2, np.random.default_rng(0))
+    fixed = np.arange(0, len(V), 3)
+    result = meshfair.denoise(V_noisy, F, fixed=fixed)
+    np.testing.assert_array_equal(result.V[fixed], V_noisy[fixed])
+    assert not np.allclose(result.V, V_noisy)
+
+
+def test_progress_and_cancelling_of_the_choice():
+    V_noisy, _, F = noisy_torus()
+    seen = []
+    meshfair.denoise(V_noisy, F, callback=seen.append)
+    assert seen == sorted(seen)
+    assert seen[-1] == 1
+    early = meshfair.denoise(V_noisy, F, callback=lambda part: part < 0.3)
+    assert not early.finished
+    np.testing.assert_array_equal(early.V, V_noisy)
+
+
+@pytest.mark.parametrize(
+    ("add", "named"),
+    [
+        (noise.correlated, "alike at neighbours"),
+        (lambda V, F, size, rng: noise.impulsive(V, F, size, 0.2, rng), "mostly at some vertices"),
+        (noise.gaussian, "edges; "),
+    ],
+)
+def test_the_kind_of_noise_is_named(add, named):
+    V, F = shapes.torus(sections=80, sides=32)
+    V_noisy = add(V, F, 0.2, np.random.default_rng(0))
+    assert named in meshfair.denoise(V_noisy, F, "averaging", parameters="auto").reason
+
+
+def test_the_front_of_the_grid_is_the_front():
+    V_noisy, _, F = noisy_torus()
+    front = choices.by_front(V_noisy, F, "auto", "default")
+    np.testing.assert_array_equal(front.V, meshfair.denoise(V_noisy, F).V)
+
+
+def test_a_filter_of_ones_own_is_not_chosen_by_the_front(monkeypatch):
+    from meshfair.denoising import registry
+
+    monkeypatch.setattr(registry, "_METHODS", dict(registry._METHODS))
+
+    @denoising.register("never")
+    def never(V, F, *, fixed=None):
+        raise AssertionError("the front has no business here")
+        yield
+
+    V_noisy, _, F = noisy_torus()
+    assert meshfair.denoise(V_noisy, F).method in denoising.BUILT_IN
