@@ -294,7 +294,7 @@ def test_the_page_shows_linked_meshes_from_a_file_without_a_network(browser, run
     tab.set_viewport_size({"width": 400, "height": 900})  # narrow
     tab.wait_for_timeout(500)
     for pixels in seen(tab):
-        inner = pixels[2:-2, 2:-2]  # without the frame
+        inner = pixels[3:-3, 3:-3]  # without the frame and its round corners
         columns = np.nonzero(inner.min(axis=2) < 250)[1]
         assert 0 < columns.min()
         assert columns.max() < inner.shape[1] - 1
