@@ -17,7 +17,7 @@ settings.load_profile("meshfair")
 SLOW = {
     "test_assignments", "test_benchmarks", "test_browser", "test_browser_explorers", "test_cli",
     "test_cli_view", "test_cluster", "test_fairness", "test_grading", "test_install", "test_io",
-    "test_notebooks",
+    "test_notebooks", "test_pages",
     "test_report", "test_site", "test_submissions", "test_sweep", "test_walls",
 }  # fmt: skip
 

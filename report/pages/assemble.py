@@ -17,7 +17,7 @@ import jinja2
 import measured
 import notebooks
 import reference
-from execution import cache_folder, execute
+from execution import KERNEL, cache_folder, execute
 from links import Links
 
 from meshfair import viewer
@@ -116,7 +116,7 @@ def write_player() -> None:
     """Write the script and the styles of meshes that move, which all pages share."""
     shutil.rmtree(PLAYER, ignore_errors=True)
     PLAYER.mkdir(parents=True)
-    for name, text in getattr(viewer, "page_files", dict)().items():
+    for name, text in viewer.page_files().items():
         (PLAYER / name).write_text(text, encoding="utf-8")
 
 
@@ -132,6 +132,7 @@ def sphinx(cache: Path) -> None:
     """Run Sphinx; a warning ends it."""
     environment = {
         **os.environ,
+        **KERNEL,
         "MESHFAIR_EXECUTED": str(cache),
         "MESHFAIR_PLAYER": str(PLAYER),
         "PYTHONPATH": os.pathsep.join(
