@@ -23,7 +23,7 @@ from meshfair.viewer.recording import Recording
 
 LARGEST = 600_000  # bytes of a page that an explorer may take
 LONGEST = 25.0  # seconds that going through the settings may take
-SHARE = 0.5  # of both, at most, for the main control alone
+SHARE = 0.4  # of both, at most, for the main control alone
 MANY, SOME, FEW = 21, 7, 4  # positions: of the main control, of others, of the main with those
 LIVE = "Stored states: a notebook with Python behind it computes any setting."
 
@@ -119,19 +119,16 @@ def _go(explorer: Played, settings: Settings) -> None:
 
 def _changes(controls: dict[str, Any], before: Settings, main: str) -> Iterator[Settings]:
     """Other settings than those of before, one control after the other, in turns."""
-    few = _positions(controls[main], before[main], FEW)
     rows = [
-        [
-            [{name: position, main: at} for at in [before[main], *few]]
-            for position in _spread(_positions(control, before[name], SOME))
-            if position != before[name]
-        ]
+        [{name: at} for at in _spread(_positions(control, before[name], SOME)) if at != before[name]]
         for name, control in controls.items()
         if name != main
     ]
-    for turn in itertools.zip_longest(*rows, fillvalue=[]):
-        for row in turn:
-            yield from row
+    turns = [change for turn in itertools.zip_longest(*rows) for change in turn if change]
+    # Each control alone comes first: all of them shall move, and the main one with them later.
+    yield from turns
+    few = _positions(controls[main], before[main], FEW)
+    yield from (change | {main: at} for change in turns for at in few)
 
 
 def _positions(control: Any, now: Any, most: int) -> list[Any]:

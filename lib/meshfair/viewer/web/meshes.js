@@ -165,6 +165,8 @@ class MeshCanvas {
       values: this.stale?.values || !old || old.parts !== mesh.parts || old.F !== mesh.F,
       colours: this.stale?.colours || !old || String(old.stops) !== String(mesh.stops),
     };
+    const look = ({ smooth, edges, color, units }) => String([smooth, edges, color, units]);
+    this.changed ||= Object.values(this.stale).some(Boolean) || look(old) !== look(mesh);
   }
 
   fill(name, location, width, kind, normalised, entries) {
@@ -243,6 +245,10 @@ class MeshCanvas {
     const width = Math.round(stage.clientWidth * ratio);
     const height = Math.round(stage.clientHeight * ratio);
     if (!mesh || !width || !height || gl.isContextLost()) return;
+    const sized = canvas.width === width && canvas.height === height;
+    if (sized && !this.changed && this.camera === camera && this.age === painter.age) return;
+    this.changed = false;
+    this.camera = camera;
     if (canvas.width !== width) canvas.width = width;
     if (canvas.height !== height) canvas.height = height;
     if (painter.canvas.width < width) painter.canvas.width = width;
