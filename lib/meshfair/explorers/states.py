@@ -21,9 +21,9 @@ from meshfair.explorers.curves import CurvePlot
 from meshfair.viewer import View
 from meshfair.viewer.recording import Recording
 
-LARGEST = 600_000  # bytes of a page that an explorer may take
+LARGEST = 750_000  # bytes of a page that an explorer may take
 LONGEST = 25.0  # seconds that going through the settings may take
-SHARE = 0.4  # of both, at most, for the main control alone
+SHARE = 0.6  # of both, at most, for the main control alone
 MANY, SOME, FEW = 21, 7, 4  # positions: of the main control, of others, of the main with those
 LIVE = "Stored states: a notebook with Python behind it computes any setting."
 
@@ -120,8 +120,8 @@ def _go(explorer: Played, settings: Settings) -> None:
 def _changes(controls: dict[str, Any], before: Settings, main: str) -> Iterator[Settings]:
     """Other settings than those of before, one control after the other, in turns."""
     rows = [
-        [{name: at} for at in _spread(_positions(control, before[name], SOME)) if at != before[name]]
-        for name, control in controls.items()
+        [{name: at} for at in _spread(_positions(control, now, SOME)) if at != now]
+        for (name, control), now in zip(controls.items(), before.values(), strict=True)
         if name != main
     ]
     turns = [change for turn in itertools.zip_longest(*rows) for change in turn if change]
