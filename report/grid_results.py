@@ -18,7 +18,7 @@ Tables = dict[str, pd.DataFrame]
 
 RESULTS = Path(__file__).resolve().parent / "results"
 OWN = "own choice"
-SHOWN = (OWN, "learned", "feature-convinced", "feature-convinced, auto")
+SHOWN = (OWN, "learned", "feature-convinced")
 NEAR = 1.05  # of the best default's error: near enough
 HARM = 1.01  # of the noisy mesh's angle: worse than to do nothing
 
@@ -94,7 +94,6 @@ def _grid(table: pd.DataFrame) -> dict[str, str]:
     ways = table[~table["method"].isin(["none", "auto"])].pivot(
         index=cells, columns="parameters", values="normal_angle"
     )
-    auto = (ways["auto"] / ways["default"]).dropna()
     tuned = table[table["parameters"] == "tuned"]
     best = tuned.loc[tuned.groupby(["mesh", "kind", "size"])["normal_angle"].idxmin(), "method"]
     return {
@@ -122,8 +121,6 @@ def _grid(table: pd.DataFrame) -> dict[str, str]:
         "own-harm": str((harm > HARM).sum()),
         "own-harm-worst": f"{100 * (harm.max() - 1):.1f}",
         "own-lost-worst": f"{lost.max():.1f}",
-        "auto-worst": f"{auto.max():.1f}",
-        "auto-near": f"{100 * (auto <= NEAR).mean():.0f}",
     }
 
 
@@ -131,7 +128,6 @@ def _draws(data: Tables) -> dict[str, str]:
     rows = data["missile_draws"]
     errors = rows.pivot(index="seed", columns=["method", "parameters"], values="missiles")
     stopped, own = errors[STOPPED, "default"], errors["auto", "default"]
-    automatic = errors.xs("auto", axis=1, level="parameters").mean()
     ratio = own / stopped
     knot = data["knot_draws"].pivot(index=["size", "seed"], columns="method", values="snr")
     gain = (knot["auto"] - knot["none"]).groupby("size")
@@ -140,8 +136,6 @@ def _draws(data: Tables) -> dict[str, str]:
         "missiles-stopped": _spread(stopped),
         "missiles-own": _spread(own),
         "missiles-learned": _spread(errors["learned", "default"]),
-        "missiles-auto": _spread(errors[automatic.idxmin(), "auto"]),
-        "missiles-auto-method": automatic.idxmin(),
         "missiles-ratio": _spread(ratio),
         "missiles-ratio-worst": f"{ratio.max():.2f}",
     }
