@@ -264,7 +264,10 @@ def test_denoise_is_that_of_the_package(run, noisy, tmp_path):
              {"method": "implicit", "keep_volume": True}),
             (["--method", "averaging", "--set", "iterations=3", "--set", "weights=distance"],
              {"method": "averaging", "iterations": 3, "weights": "distance"}),
-            (["--method", "taubin", "--auto"], {"method": "taubin", "parameters": "auto"}),
+            (
+            ["--method", "feature-convinced", "--auto"],
+            {"method": "feature-convinced", "parameters": "auto"},
+        ),
             ([], {}),
         ]
     ):  # fmt: skip
@@ -329,8 +332,11 @@ def test_wrong_denoising_is_refused_in_one_line(run, noisy, tmp_path, words, mes
 def test_a_known_size_of_the_noise_is_used(run, noisy, tmp_path):
     V, F = io.read(noisy)
     for words, named in (
-        ([], {}),
-        (["--method", "taubin", "--auto"], {"method": "taubin", "parameters": "auto"}),
+        (["--method", "feature-convinced"], {"method": "feature-convinced"}),
+        (
+            ["--method", "feature-convinced", "--auto"],
+            {"method": "feature-convinced", "parameters": "auto"},
+        ),
     ):
         code, _, _ = run("denoise", noisy, tmp_path / "o.ply", "--force", "--noise", 0.05, *words)
         assert code == 0
@@ -404,7 +410,8 @@ def test_methods_are_listed_with_their_defaults(capsys):
     assert stop.value.code == 0
     lines = capsys.readouterr().out.splitlines()
     heads = [line for line in lines if not line.startswith(" ")]
-    assert [line.split(" (")[0].split(":")[0] for line in heads] == denoising.methods()
+    named = [line.split(" (")[0].split(":")[0] for line in heads]
+    assert named == [denoising.DEFAULT, *denoising.methods()]
     assert [line.split(" (")[0] for line in heads if "(the default)" in line] == [
         inspect.signature(denoising.denoise).parameters["method"].default
     ]
@@ -780,7 +787,10 @@ def test_wrong_usage_is_told_in_one_line(capsys, words, message):
 )  # fmt: skip
 def test_wrong_parameters_are_told_in_the_words_of_the_command(run, tmp_path, words, message):
     io.write(tmp_path / "in.off", *shapes.icosphere(1))
-    code, out, err = run("denoise", tmp_path / "in.off", tmp_path / "o.off", *words.split())
+    words = words.split()
+    if "--method" not in words:
+        words += ["--method", "feature-convinced"]
+    code, out, err = run("denoise", tmp_path / "in.off", tmp_path / "o.off", *words)
     assert (code, out) == (1, "")
     assert message in one_line(err)
     assert not (tmp_path / "o.off").exists()
@@ -788,10 +798,28 @@ def test_wrong_parameters_are_told_in_the_words_of_the_command(run, tmp_path, wo
 
 def test_wrong_parameters_are_told_before_a_mesh_is_read(run, tmp_path):
     code, _, err = run(
-        "denoise", tmp_path / "no.ply", tmp_path / "o.ply", "--set", "sigma_normal=0"
+        *("denoise", tmp_path / "no.ply", tmp_path / "o.ply"),
+        *("--method", "feature-convinced", "--set", "sigma_normal=0"),
     )
     assert code == 1
     assert "--set sigma_normal is 0" in one_line(err)
+
+
+def test_parameters_without_a_method_are_told(run, tmp_path):
+    io.write(tmp_path / "in.off", *shapes.icosphere(1))
+    for words in (["--weights", "distance"], ["--set", "iterations=3"]):
+        code, _, err = run("denoise", tmp_path / "in.off", tmp_path / "o.off", *words)
+        assert code == 1
+        assert "auto chooses all of them; name a --method, too" in one_line(err)
+
+
+def test_the_front_says_what_it_chose_and_why(run, noisy, tmp_path):
+    code, out, _ = run("denoise", noisy, tmp_path / "o.ply")
+    assert code == 0
+    expected = denoising.denoise(*io.read(noisy))
+    assert f"method  {expected.method}" in re.sub(r"(method) +", r"\1  ", out)
+    assert expected.reason in out
+    assert np.array_equal(io.read(tmp_path / "o.ply")[0], expected.V)
 
 
 @pytest.mark.parametrize(
@@ -1131,7 +1159,7 @@ def test_help_says_that_an_snr_depends_on_the_origin(command, capsys):
 def test_help_names_the_default_method(capsys):
     with pytest.raises(SystemExit):
         cli.main(["denoise", "--help"])
-    assert f"(default {denoising.DEFAULT}; see --methods)" in " ".join(
+    assert f"(default {denoising.DEFAULT}: one of these" in " ".join(
         capsys.readouterr().out.split()
     )
 

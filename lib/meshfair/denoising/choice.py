@@ -6,7 +6,7 @@ the traits of what comes of it how much of the noisy mesh's error is left, and t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -28,7 +28,7 @@ from meshfair.mesh import face_shapes, mean_edge_length
 from meshfair.solve import SolveError
 
 # Numbers of iterations at which a result is looked at, beside the last.
-STEPS = frozenset((0, 1, 2, 3, 5, 8, 12, 20, 30, 45))
+STEPS = frozenset((1, 2, 3, 5, 8, 12, 20, 30, 45))
 # Among all methods: without those that are nearly another one.
 ALL = tuple(name for name in BUILT_IN if name not in ("heat", "regularised", "bilateral"))
 # Filters whose results all others are compared with: in the order of the forecast's traits.
@@ -182,9 +182,8 @@ class Chooser:
         self.tried = len(trials)
         candidates: list[Candidate] = []
         for number, (name, parameters) in enumerate(trials, start=1):
-            stops = STEPS if len(names) == 1 or len(find_method(name).candidates) == 1 else ()
             try:
-                candidates += self._results(name, parameters, stops)
+                candidates += self._results(name, parameters)
             except SolveError as error:
                 self.failed.append((parameters, error))
             self.report(0.5 + 0.5 * number / len(trials))
@@ -228,20 +227,19 @@ class Chooser:
     def _filled(self, name: str, parameters: Parameters) -> Parameters:
         return find_method(name).filled_in(self.V, self.F, parameters)
 
-    def _results(
-        self, name: str, parameters: Parameters, stops: Collection[int]
-    ) -> Iterator[Candidate]:
-        """What comes of a trial, and after which iterations it may stop before that."""
+    def _results(self, name: str, parameters: Parameters) -> Iterator[Candidate]:
+        """What comes of a trial; where it is the method's only one, after fewer iterations, too."""
         method = find_method(name)
-        if not stops:
-            for known in self._known:
-                if known.method == name and same(parameters, known.parameters):
-                    yield known
-                    return
+        if method.count:
+            yield Candidate(name, parameters, 0, self.V)
+        known = [c for c in self._known if c.method == name and same(parameters, c.parameters)]
+        if len(method.candidates) > 1 and known:
+            yield known[0]
+            return
         last, count = self.V, 0
         for _, X in method.function(self.V, self.F, **self._filled(name, parameters)):
             if X is not last:
-                if method.count and count in stops:
+                if len(method.candidates) == 1 and method.count and count in STEPS:
                     yield Candidate(name, parameters, count, last)
                 last, count = X, count + 1
         yield Candidate(name, parameters, None, last)
