@@ -23,7 +23,7 @@ import docstrings  # noqa: E402
 import execution  # noqa: E402
 import public  # noqa: E402
 
-pytestmark = pytest.mark.xdist_group("site")  # one worker builds it
+pytestmark = pytest.mark.xdist_group("report")  # one worker builds both, into one folder
 
 
 @pytest.fixture(scope="session")
