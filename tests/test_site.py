@@ -4,11 +4,13 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 import pytest
+from filelock import FileLock
 
 pytest.importorskip("sphinx", reason="needs the site extra")
 playwright = pytest.importorskip("playwright.sync_api", reason="needs the test extra")
@@ -29,9 +31,11 @@ pytestmark = pytest.mark.xdist_group("report")  # one worker builds both, into o
 @pytest.fixture(scope="session")
 def site():
     """The folder of the built site."""
-    built = subprocess.run(
-        [sys.executable, str(PAGES / "assemble.py")], capture_output=True, text=True, cwd=ROOT
-    )
+    # Two workers were seen to build at once in spite of the group, each over the other's files.
+    with FileLock(Path(tempfile.gettempdir()) / "meshfair-site.lock"):
+        built = subprocess.run(
+            [sys.executable, str(PAGES / "assemble.py")], capture_output=True, text=True, cwd=ROOT
+        )
     assert built.returncode == 0, (built.stdout + built.stderr)[-4000:]
     assert "WARNING: /" not in built.stderr
     return SITE
