@@ -121,10 +121,11 @@ def write_player() -> None:
 
 
 def make_report() -> None:
-    """Make the report anew where it is older than what it is made from."""
+    """Make the report and its tables anew where they are missing, or older than their sources."""
     sources = [*REPORT.glob("*.*"), *REPORT.glob("results/*"), *(ROOT / "lib").rglob("*.py")]
     newest = max(path.stat().st_mtime for path in sources if path != PDF)
-    if not PDF.exists() or PDF.stat().st_mtime < newest:
+    tables = REPORT / "build" / "tables"
+    if not PDF.exists() or not tables.exists() or PDF.stat().st_mtime < newest:
         subprocess.run([sys.executable, str(REPORT / "build.py")], check=True)
 
 
