@@ -30,13 +30,14 @@ DRAWN = "[data-frame], canvas, .error:not(:empty)"  # in a view that shows a fra
 
 STYLE = """\
 <style>
-:root:has({live}) .{saved},
-:root:has({live}) .jp-OutputArea-child:has(> .jp-OutputArea-output > .{saved}) {{ display: none; }}
-.jp-OutputArea-child:has(> .jp-OutputArea-output > .{saved}) + \
-.jp-OutputArea-child:has(> .lm-Panel, > .jupyter-widgets):not(:has({live}, .jupyter-widgets-error)) \
+:root:has({live}) .{saved}, :root:has({live}) {output} {{ display: none; }}
+{output} + .jp-OutputArea-child:has({place}):not(:has({live}, {failed})) \
 {{ display: block; height: 0; overflow: hidden; }}
 </style>
 """
+OUTPUT = ".jp-OutputArea-child:has(> .jp-OutputArea-output > .{saved})"
+PLACE = "> .lm-Panel, > .jupyter-widgets"  # of a widget, whatever became of it
+FAILED = ".jupyter-widgets-error-widget"  # its scripts are missing, say: that is to be seen
 
 
 class Saved:
@@ -63,8 +64,14 @@ class Saved:
         self._widget, self._state, self._keep = widget, state, keep
         name = widget.model_id
         widget.add_class(f"meshfair-live-{name}")
-        self._class = f"meshfair-saved-{name}"
-        self._style = STYLE.format(live=f".meshfair-live-{name} :is({drawn})", saved=self._class)
+        self._class = saved = f"meshfair-saved-{name}"
+        self._style = STYLE.format(
+            live=f".meshfair-live-{name} :is({drawn})",
+            saved=saved,
+            output=OUTPUT.format(saved=saved),
+            place=PLACE,
+            failed=FAILED,
+        )
         self._lock = threading.Lock()
         self._shown = False
         self._published: object = None  # the state of which the still is in the notebook
