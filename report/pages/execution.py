@@ -72,6 +72,7 @@ def _run(path: Path, notebook: NotebookNode, scratch: Path) -> NotebookNode:
         notebook,
         timeout=TIMEOUT,
         record_timing=False,  # times within the cells would be cells that have changed
+        store_widget_state=False,  # pages run no widgets
         config=Config(KernelManager={"transport": TRANSPORT}),
         resources={"metadata": {"path": str(scratch)}},
     )
