@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 Bundle = dict[str, Any]
 WIDGET = "application/vnd.jupyter.widget-view+json"
-REST = 1.0  # seconds without a change until the still is drawn anew
+REST = 2.0  # seconds without a change until the still is drawn anew
 COLORS = 256  # of a still: a third of the bytes of one with all colours
 DRAWN = "[data-frame], canvas, .error:not(:empty)"  # in a view that shows a frame, or why not
 
@@ -103,7 +103,9 @@ class Saved:
         with self._lock:
             self._changed = time.monotonic()
             if self._waiting is None:
-                self._waiting = threading.Thread(target=self._follow, daemon=True)
+                self._waiting = threading.Thread(
+                    target=self._follow, name=f"still of {self._class}", daemon=True
+                )
                 self._waiting.start()
 
     def _follow(self) -> None:
