@@ -27,7 +27,8 @@ class Explorer(Displayed):
 
     A subclass makes ``view``, ``plots`` and ``controls``, and then calls
     `_begin`. What its controls ask for, `_work` does on a thread of its own:
-    a new value cancels the work for the old one.
+    a new value cancels the work for the old one. A notebook that is saved keeps a
+    still of the view and what the controls said.
 
     Attributes
     ----------

@@ -3,7 +3,8 @@
 A notebook gets two outputs for a widget: first HTML with a still, then the widget. Style rules in
 the HTML let a reader see one of both: the still goes where the widget shows something, and the
 widget's place, with its "model not found", where it does not. GitHub, and JupyterLab for a notebook
-that it does not trust, take the rules out; there the second output has nothing to show.
+that it does not trust, take the rules out; there the second output has nothing to show. VS Code
+shows that nothing, too, where it does not find the widget's model in the kernel.
 """
 
 from __future__ import annotations

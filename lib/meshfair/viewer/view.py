@@ -25,6 +25,8 @@ class View(Displayed, SideBySide):
     Drawn by polyscope on the machine where Python runs, each frame sent to
     the page; without EGL there (macOS, Windows, a bare server) drawn by k3d in
     the page itself. Several meshes stand side by side and share one camera.
+    A notebook that is saved keeps a still of what was shown last, for readers without
+    its kernel.
 
     Parameters
     ----------
