@@ -342,7 +342,7 @@ def test_without_scripts_or_webgl_the_still_stays(browser, knot, tmp_path):
     tab.context.close()
 
     tab = browser.new_context().new_page()
-    tab.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
+    tab.add_init_script("OffscreenCanvas.prototype.getContext = () => null")
     tab.goto((tmp_path / "knot.html").as_uri())
     tab.wait_for_selector(".meshfair-player[data-failed=true] .error")
     assert "no WebGL 2" in tab.inner_text(".error")
