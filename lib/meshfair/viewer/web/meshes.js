@@ -4,7 +4,7 @@
 // took; when it has come to rest, well.
 
 const BUDGET = 12; // ms for a picture of all panels while something moves
-const COARSEST = 0.6; // pixels drawn for a pixel of the page, along each side
+const COARSEST = 0.5; // pixels drawn for a pixel of the page, along each side
 const REST = 250; // ms without a change until pictures are drawn well
 const SIGHT = "200px"; // how far out of sight a panel is drawn
 
@@ -302,10 +302,13 @@ class MeshView {
     this.plan();
   }
 
+  /** Draw in the next animation frame, or in the first one for which the last are ready. */
   plan() {
     this.planned ||= requestAnimationFrame(() => {
       this.planned = 0;
-      this.draw();
+      // A queue of pictures would be shown long after the moves.
+      if (Painter.one.busy) this.plan();
+      else this.draw();
     });
   }
 
@@ -319,11 +322,10 @@ class MeshView {
     if (!this.camera) return;
     const pictures = this.lacking(0);
     const cost = pictures.reduce((sum, picture) => sum + (picture.cost ?? 0), 0);
-    const density = finest() * Math.min(1, Math.sqrt(BUDGET / cost));
-    for (const picture of pictures) {
-      // Nothing has moved yet where there is no picture.
-      picture.draw(this.camera, picture.cost ? Math.max(density, COARSEST) : finest());
-    }
+    const density = Math.max(COARSEST, finest() * Math.min(1, Math.sqrt(BUDGET / cost)));
+    // Nothing has moved yet where there is no picture.
+    for (const picture of pictures) picture.draw(this.camera, picture.cost ? density : finest());
+    if (pictures.length) Painter.one.begun();
     clearTimeout(this.resting);
     if (this.lacking(finest()).length) this.resting = setTimeout(() => this.improve(), REST);
   }

@@ -99,6 +99,7 @@ class Painter {
     gl.enable(gl.DEPTH_TEST);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     this.programs = new Map(); // by what they define
+    this.fence = null;
     this.age += 1;
   }
 
@@ -138,6 +139,24 @@ class Painter {
     gl.viewport(0, 0, width, height);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+  }
+
+  /** Whether the last pictures are still being drawn. */
+  get busy() {
+    const { gl, fence } = this;
+    if (!fence || gl.isContextLost()) return false;
+    if (gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.UNSIGNALED) return true;
+    gl.deleteSync(fence);
+    this.fence = null;
+    return false;
+  }
+
+  /** Be busy until what was asked for so far is drawn. */
+  begun() {
+    const { gl } = this;
+    if (this.fence) gl.deleteSync(this.fence);
+    this.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
   }
 
   /** Wait until all is drawn. */
