@@ -227,7 +227,7 @@ def test_every_explorer_has_a_form_without_a_kernel(name, monkeypatch):
 
 
 def test_a_page_is_asked_for_by_the_environment(knot, monkeypatch):
-    view, edge = View(*knot, titles="a <knot>", backend="k3d"), explorers.CotangentExplorer()
+    view, edge = View(*knot, titles="a <knot>", backend="webgl"), explorers.CotangentExplorer()
     guess = explorers.Prediction("How <many>?", (0, 30), unit="dB")
     shown = [view, edge, guess, guess.reveal(2, "So it is.")]
     for value in ("", "0"):
@@ -380,6 +380,137 @@ def test_without_scripts_or_webgl_the_still_stays(browser, knot, tmp_path):
     tab.context.close()
 
 
+class Live:
+    """A view that draws in the page, in a browser: what both say to each other is carried over."""
+
+    HOST = """
+window.sent = [];
+const model = {
+  get: () => COUNT, off: () => {}, send: (message) => window.sent.push(message),
+  on: (name, receive) => (window.receive = receive),
+};
+const el = document.getElementById("view");
+window.release = render({ model, el });
+window.carry = (message, buffers) => window.receive(message, buffers.map((text) => {
+  // As the notebook gives them: parts of a larger piece of memory, on any border.
+  const letters = "?" + atob(text);
+  const bytes = Uint8Array.from(letters, (letter) => letter.charCodeAt(0));
+  return new DataView(bytes.buffer, 1);
+}));
+"""
+
+    def __init__(self, tab, view, width=500):
+        self.tab, self.view, self._posted = tab, view, []
+        view.widget.send = lambda message, buffers=(): self._posted.append((message, buffers))
+        style = "<style>" + scripts.text("frames.css") + "</style>"
+        tab.set_content(f"{style}<body><div id=view style='width: {width}px'></div></body>")
+        host = self.HOST.replace("COUNT", str(len(view.panels)))
+        tab.add_script_tag(type="module", content=scripts.text(*scripts.LIVE) + host)
+        tab.wait_for_function("window.sent !== undefined")
+
+    def settle(self):
+        """Carry messages until there are none any more, and the pictures are fine ones."""
+        for _ in range(50):
+            rest(self.tab)
+            for message in self.tab.evaluate("window.sent.splice(0)"):
+                self.view._backend._receive(None, message, None)
+            posted, self._posted = self._posted, []
+            for message, buffers in posted:
+                texts = [base64.b64encode(data).decode() for data in buffers]
+                self.tab.evaluate("([m, b]) => window.carry(m, b)", [message, texts])
+            drafts = self.tab.locator(".stage:not([data-draft=false])").count()
+            if not posted and not drafts:
+                return
+        raise AssertionError("no rest")
+
+    def pictures(self):
+        self.tab.evaluate("document.activeElement.blur()")  # without the line around it
+        return [stage.screenshot() for stage in self.tab.locator(".stage").all()]
+
+
+@pytest.mark.xdist_group("browser")
+def test_a_view_without_egl_is_drawn_by_the_page_and_turned_by_both(browser, knot):
+    V, F = knot
+    view = View([V, V], F, titles=["a", "b"], values=[None, V[:, 2]], label="z", backend="webgl")
+    complaints = []
+    tab = browser.new_page()
+    tab.on("pageerror", lambda error: complaints.append(str(error)))
+    tab.on("console", lambda m: m.type == "error" and complaints.append(m.text))
+    live = Live(tab, view)
+    live.settle()
+    assert tab.locator("figcaption").all_inner_texts() == ["a", "b"]
+    assert tab.inner_text(".bar .label") == "z"
+    first = live.pictures()
+    home = view.camera
+
+    # The page turns, and Python knows.
+    box = tab.locator(".stage").nth(1).bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    tab.mouse.move(x, y)
+    tab.mouse.down()
+    tab.mouse.move(x + box["height"] / 4, y, steps=3)
+    tab.mouse.up()
+    live.settle()
+    turned = live.pictures()
+    assert turned[0] != first[0]
+    assert turned[1] != first[1]
+    # A quarter of the panel's height, without its border, is an eighth of a whole turn.
+    height = box["height"] - 2
+    angle = -np.pi * (box["height"] / 4) / height
+    expected = home.orbit(angle, 0, view.up)
+    np.testing.assert_allclose(view.camera.position, expected.position, atol=1e-6)
+    # Python turns, and the page follows.
+    view.camera = home
+    view._refresh([], moved=True)
+    live.settle()
+    assert live.pictures() == first
+    tab.locator(".stage").nth(1).press("ArrowLeft")
+    live.settle()
+    assert view.camera == home.orbit(np.pi / 24, 0, view.up)
+    tab.click("text=Reset view")
+    live.settle()
+    assert view.camera == home
+    assert live.pictures() == first
+
+    # Another mesh in one panel leaves the other as it is.
+    view.update(0.8 * V, panel=1, values=np.arange(len(F)), title="c")
+    live.settle()
+    changed = live.pictures()
+    assert changed[0] == first[0]
+    assert changed[1] != first[1]
+    assert tab.locator(".stage").nth(1).get_attribute("aria-label") == "Mesh: c"
+
+    clicked = []
+    view.on_pick(lambda *which: clicked.append(which))
+    nearest = np.linalg.norm(V - view.camera.position, axis=1).argmin()
+    across, up, back = view.camera.axes @ (V[nearest] - view.camera.position)
+    middle = tab.locator(".stage").nth(0).bounding_box()
+    scale = middle["height"] / 2 / (np.tan(np.radians(12.5)) * -back)
+    tab.mouse.click(
+        middle["x"] + middle["width"] / 2 + scale * across,
+        middle["y"] + middle["height"] / 2 - scale * up,
+    )
+    live.settle()
+    assert clicked == [(0, nearest)]
+    assert complaints == []
+    tab.close()
+
+
+@pytest.mark.xdist_group("browser")
+def test_a_view_without_webgl_says_so(browser, knot):
+    tab = browser.new_context().new_page()
+    tab.add_init_script("OffscreenCanvas.prototype.getContext = () => null")
+    tab.goto("about:blank")
+    Live(tab, View(*knot, backend="webgl"))
+    assert "no WebGL 2" in tab.inner_text("#view .error")
+    tab.context.close()
+
+
 def test_the_scripts_of_widgets_are_modules_of_their_own():
-    for names in (("stage.js", "frames.js"), ("curves.js",), ("cotangents.js",)):
+    for names in (
+        scripts.LIVE,
+        ("stage.js", "kernel.js", "frames.js"),
+        ("curves.js",),
+        ("cotangents.js",),
+    ):
         assert scripts.text(*names).count(scripts.EXPORT) == 1

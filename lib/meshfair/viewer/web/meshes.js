@@ -229,8 +229,8 @@ class MeshCanvas {
 class MeshView {
   constructor(el, count, { click = () => {}, moved = () => {}, reset = () => this.reset() } = {}) {
     Painter.one; // says here that there is no WebGL
-    const { panels, button, bar } = frameOf(el, count);
-    Object.assign(this, { panels, bar, moved });
+    const { panels, button, bar, error } = frameOf(el, count);
+    Object.assign(this, { panels, bar, error, moved });
     this.cameras = null; // the first one, by the shape of the panels
     this.camera = null;
     this.up = [0, 0, 1];
@@ -281,11 +281,18 @@ class MeshView {
     this.plan();
   }
 
-  add({ yaw = 0, pitch = 0, pan = [0, 0], zoom = 1 }) {
+  /** Look from somewhere: nine numbers, and what stays upright. */
+  look(numbers, up) {
+    Object.assign(this, { camera: Camera.of(numbers), up });
+    this.plan();
+  }
+
+  add(move) {
     if (!this.camera) return;
+    const { yaw = 0, pitch = 0, pan = [0, 0], zoom = 1 } = move;
     this.touched = true;
     this.camera = this.camera.orbit(yaw, pitch, this.up).pan(...pan).zoom(zoom);
-    this.moved(this.camera);
+    this.moved(move);
     this.plan();
   }
 

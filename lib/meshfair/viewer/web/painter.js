@@ -1,5 +1,6 @@
 // Draws triangle meshes by WebGL 2: one context for a whole page. Behind camera.js.
 
+const SHARED = Symbol.for("meshfair painter");
 const LINES = [0.1, 0.15, 0.25]; // the colour of edges
 
 // What stands in capitals is defined, or not, for each way to draw: see Painter.program.
@@ -89,9 +90,9 @@ class Painter {
     this.begin();
   }
 
+  /** That of the page: every widget runs this script for itself. */
   static get one() {
-    Painter.made ??= new Painter();
-    return Painter.made;
+    return (globalThis[SHARED] ??= new Painter());
   }
 
   begin() {
