@@ -170,6 +170,7 @@ def made():
         "comparison": lambda: explorers.ComparisonExplorer(V, F, iterations=3),
         "eigenmodes": lambda: explorers.EigenmodeExplorer(V, F),
         "filters": lambda: explorers.FilterExplorer(meshes),
+        "iterations": lambda: explorers.IterationExplorer([V, V / 2], F, ground_truth=V),
         "jet": lambda: explorers.JetExplorer(detail=0.5, iterations=2),
         "kernels": lambda: explorers.KernelExplorer(meshes),
         "low-pass": lambda: explorers.LowPassExplorer(V, F),

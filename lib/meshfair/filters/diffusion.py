@@ -53,7 +53,7 @@ def averaging(
     weights : {"combinatorial", "distance", "cotangent"}
         Built once, from the noisy mesh.
     iterations : int
-        s.
+        How many, the s of the formula.
     fixed : array_like, optional
         Vertices that keep their place, as a boolean mask (n,) or as indices.
 
