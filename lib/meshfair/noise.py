@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.sparse import csr_array, eye_array
+from scipy.sparse import csr_array, diags_array, eye_array
 
 from meshfair.checks import (
     Floats,
@@ -28,6 +28,9 @@ from meshfair.checks import (
 from meshfair.mesh import Edges, mean_edge_length, vertex_normals
 from meshfair.mesh.joining import on_joined
 from meshfair.mesh.objects import takes_meshes
+
+SNR_RANGE = -300.0, 300.0
+"""In decibels: beyond, noise is lost in the rounding of float64, and so is the mesh."""
 
 
 @takes_meshes
@@ -185,7 +188,8 @@ def correlated(
     rng : numpy.random.Generator
     steps : int
         How often neighbours are averaged, at least 0: the noise is alike over about the
-        square root of this many edges; 0 is `along_normals`.
+        square root of this many edges; 0 is `along_normals`. Each vertex takes memory for all
+        that lies this many edges around it.
 
     Returns
     -------
@@ -207,12 +211,12 @@ def correlated(
 
 
 def _spreading(F: Integers, n: int, steps: int) -> csr_array:
-    """((I + A) / 2)^steps, with A the mean over the neighbours."""
-    i, j = Edges(F, n).ends.T
-    rows, columns = np.concatenate([i, j]), np.concatenate([j, i])
-    degree = np.bincount(rows, minlength=n)
-    A = csr_array((1 / degree[rows], (rows, columns)), shape=(n, n))
-    half = (eye_array(n, format="csr") + A) / 2
+    """((I + A) / 2)^steps, with A the mean over the neighbours, or oneself where there are none."""
+    edges = Edges(F, n)
+    W = edges.matrix(np.ones(len(edges)))
+    degree = W.sum(axis=1)
+    A = diags_array(1 / np.maximum(degree, 1)) @ W + diags_array((degree == 0).astype(float))
+    half = csr_array(eye_array(n, format="csr") + A) / 2
     S = csr_array(eye_array(n, format="csr"))
     for _ in range(steps):
         S = S @ half
@@ -243,10 +247,10 @@ def at_snr(V: ArrayLike, displacement: ArrayLike, decibels: float) -> Floats:
     ------
     MeshError, ValueError
         Arrays that do not fit together, a displacement that is zero
-        everywhere, or ``decibels`` not finite.
+        everywhere, or ``decibels`` outside `SNR_RANGE`.
     """
     V, displacement = check_same_vertices(V, displacement, ("V", "displacement"))
-    decibels = check_number(decibels, "decibels", -np.inf)
+    decibels = check_number(decibels, "decibels", *SNR_RANGE)
     size = np.linalg.norm(displacement, axis=1).sum()
     if size == 0:
         raise MeshError("displacement is zero everywhere; no scale gives it an SNR")
