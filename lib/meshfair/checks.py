@@ -46,7 +46,7 @@ CANCELLED = 1e-12
 
 EXTRAS = {
     "viewer": {"PIL", "matplotlib", "polyscope", "polyscope_bindings"},
-    "notebooks": {"anywidget", "ipywidgets", "k3d", "traitlets"},
+    "notebooks": {"anywidget", "ipywidgets", "traitlets"},
     "data": {"pooch"},
     "formats": {"collada", "lxml", "mapbox_earcut", "meshio", "networkx", "trimesh"},
     "experiments": {"pandas", "tqdm"},
