@@ -75,6 +75,17 @@ def test_correlated_noise_leaves_vertices_without_faces():
     assert np.isfinite(found).all()
 
 
+def test_correlated_noise_that_memory_does_not_hold_is_refused(monkeypatch):
+    # A vertex has 6 neighbours, and within 4 edges 3 * 4 * 5 others: about 48.
+    monkeypatch.setattr(noise, "MOST_PAIRS", 50 * N)
+    noise.correlated(V, F, 0.2, np.random.default_rng(1), steps=4)
+    with pytest.raises(ValueError, match=r"^steps is 5: with 2,562 vertices, .* give up to 4$"):
+        noise.correlated(V, F, 0.2, np.random.default_rng(1), steps=5)
+    monkeypatch.setattr(noise, "MOST_PAIRS", N**2)  # all around all
+    with_all = noise.correlated(*shapes.icosphere(0), 0.2, np.random.default_rng(1), steps=10**9)
+    assert np.isfinite(with_all).all()
+
+
 def test_correlated_noise_of_many_steps_moves_all_alike():
     # The averages of a thousand steps are those of all vertices: one draw for all of them,
     # also beside a vertex whose own weight would be 2^-1100 by then.

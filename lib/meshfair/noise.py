@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array, diags_array, eye_array
 
 from meshfair.checks import (
+    MOST_PAIRS,
     Floats,
     Integers,
     MeshError,
@@ -188,8 +189,7 @@ def correlated(
     rng : numpy.random.Generator
     steps : int
         How often neighbours are averaged, at least 0: the noise is alike over about the
-        square root of this many edges; 0 is `along_normals`. Each vertex takes memory for all
-        that lies this many edges around it.
+        square root of this many edges; 0 is `along_normals`.
 
     Returns
     -------
@@ -198,12 +198,19 @@ def correlated(
     Raises
     ------
     MeshError, ValueError, TypeError
-        As `along_normals`, or ``steps`` no whole number of at least 0.
+        As `along_normals`, or ``steps`` no whole number of at least 0, or so many that memory
+        does not hold what is that many edges around each vertex.
     """
     V, F = check_mesh(V, F)
     eps = check_number(sigma, "sigma", 0) * mean_edge_length(V, F)
     R = check_rng(rng).standard_normal((len(V), 1))
-    S = _spreading(F, len(V), check_count(steps, "steps", 0))
+    steps, most = check_count(steps, "steps", 0), MOST_PAIRS / len(V)
+    if most < len(V) and 3 * steps**2 > most:  # six neighbours, twelve around them, and so on
+        raise ValueError(
+            f"steps is {steps}: with {len(V):,} vertices, what is that many edges around each is "
+            f"more than memory holds; give up to {int(np.sqrt(most / 3))}"
+        )
+    S = _spreading(F, len(V), steps)
     size = np.sqrt(S.power(2).sum(axis=1))[:, None]
     normals = vertex_normals(V, F)
     _warn_of_cancelled(normals, F)
@@ -212,15 +219,13 @@ def correlated(
 
 def _spreading(F: Integers, n: int, steps: int) -> csr_array:
     """((I + A) / 2)^steps, with A the mean over the neighbours, or oneself where there are none."""
+    from scipy.sparse.linalg import matrix_power  # slow to load, and seldom needed
+
     edges = Edges(F, n)
     W = edges.matrix(np.ones(len(edges)))
     degree = W.sum(axis=1)
     A = diags_array(1 / np.maximum(degree, 1)) @ W + diags_array((degree == 0).astype(float))
-    half = csr_array(eye_array(n, format="csr") + A) / 2
-    S = csr_array(eye_array(n, format="csr"))
-    for _ in range(steps):
-        S = S @ half
-    return S
+    return csr_array(matrix_power(csr_array(eye_array(n) + A) / 2, steps))
 
 
 def at_snr(V: ArrayLike, displacement: ArrayLike, decibels: float) -> Floats:

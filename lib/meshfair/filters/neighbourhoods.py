@@ -7,10 +7,8 @@ import numpy as np
 from scipy.sparse import csr_array, eye_array
 
 from meshfair import _fast
-from meshfair.checks import Floats, Integers
+from meshfair.checks import MOST_PAIRS, Floats, Integers
 
-# Of neighbours, all lists together: they and their weights take some 3 GB.
-MOST_PAIRS = 2e8
 # In edges or so: no mesh that fits into memory is wider.
 LARGEST_RADIUS = 1e6
 
@@ -95,7 +93,7 @@ def check_pairs(P: Floats, radius: Floats, given: float) -> None:
     Raises
     ------
     ValueError
-        More than `MOST_PAIRS` neighbours, as counted around some of the points.
+        More than `meshfair.checks.MOST_PAIRS` neighbours, as counted around some of the points.
     """
     if len(P) ** 2 <= MOST_PAIRS:
         return
