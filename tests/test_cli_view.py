@@ -236,13 +236,16 @@ def browser():
         browser.close()
 
 
-# How many pixels each canvas has drawn, and how many of them in its outermost columns.
+# How many pixels each canvas shows, and how many of them in its outermost columns.
 OPAQUE = """[...document.querySelectorAll(".stage canvas")].map(canvas => {
-    const count = (x, width) => {
-        const { data } = canvas.getContext("2d").getImageData(x, 0, width, canvas.height);
+    const { clientWidth: width, clientHeight: height } = canvas;
+    const copy = new OffscreenCanvas(width, height).getContext("2d");
+    copy.drawImage(canvas, 0, 0, width, height);
+    const count = (x, columns) => {
+        const { data } = copy.getImageData(x, 0, columns, height);
         return data.filter((byte, k) => k % 4 === 3 && byte).length;
     };
-    return { all: count(0, canvas.width), edges: count(0, 1) + count(canvas.width - 1, 1) };
+    return { all: count(0, width), edges: count(0, 1) + count(width - 1, 1) };
 })"""
 CAMERA = "document.querySelector('.meshfair-player').player.view.camera.position"
 

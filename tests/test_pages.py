@@ -1,6 +1,7 @@
 """Meshes and explorers in pages without a kernel: what is stored, and what a browser shows."""
 
 import base64
+import io
 import json
 import os
 import re
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from PIL import Image
 
 from meshfair import explorers, shapes, viewer
 from meshfair.explorers import states
@@ -305,6 +307,8 @@ def test_an_explorer_moves_in_a_page_on_file(browser, heat, tmp_path, width, sch
     )
     assert stored == [array.tolist() for array in unpacked(heat.to_html())[1]]
     assert tab.evaluate("document.documentElement.scrollWidth") <= width
+    paper = np.asarray(Image.open(io.BytesIO(tab.screenshot())))[0, 0, :3]
+    assert (paper.mean() < 60) == (scheme == "dark")
     stage = tab.locator(".stage").nth(2)
     first, label = stage.screenshot(), tab.inner_text("figcaption >> nth=2")
     assert label == heat.view.titles[2]
