@@ -12,12 +12,12 @@ from meshfair import plotting
 from meshfair.experiments import regrets, summary
 from meshfair.experiments.choices import KINDS, SIZES
 from meshfair.experiments.draws import STOPPED
+from meshfair.experiments.regret import NOISY, OWN
 from meshfair.plotting import OTHER_COLORS, shades
 
 Tables = dict[str, pd.DataFrame]
 
 RESULTS = Path(__file__).resolve().parent / "results"
-OWN = "own choice"
 SHOWN = (OWN, "learned", "feature-convinced")
 TICKS = (1, 2, 5, 10, 20, 50, 100)  # of regret
 NEAR = 1.05  # of the best default's error: near enough
@@ -30,7 +30,7 @@ def regret(**_: object) -> pd.DataFrame:
     One that has not run in every cell is left out.
     """
     found = regrets(pd.read_csv(RESULTS / "choices.csv"))
-    found = found[found["contender"] != "noisy mesh"]
+    found = found[found["contender"] != NOISY]
     whole = summary(found).set_index("contender")
     whole = whole.loc[whole["cells"] == whole["cells"].max(), ["median", "worst"]]
     for column, values in (("kind", KINDS), ("size", SIZES)):
@@ -86,7 +86,7 @@ def numbers(data: Tables) -> dict[str, str]:
 def _grid(table: pd.DataFrame) -> dict[str, str]:
     found = regrets(table)
     whole = summary(found).set_index("contender")
-    single = whole.drop(index=[OWN, "noisy mesh"])
+    single = whole.drop(index=[OWN, NOISY])
     single = single[single["cells"] == single["cells"].max()]
     own = found[found["contender"] == OWN]
     worst = own.loc[own["regret"].idxmax()]

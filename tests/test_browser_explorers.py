@@ -3,11 +3,13 @@
 Leaves pictures of what a reader sees in ``screenshots/``: look at them.
 """
 
+import io
 import json
 import time
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from lab import Lab, Student, browser_at, missing
 
@@ -39,6 +41,13 @@ EXPLORERS = {
     "eigenmodes": "explorers.EigenmodeExplorer(V, F)",
     "low-pass": "explorers.LowPassExplorer(V, F)",
 }
+# Without EGL the page draws by itself; one view is shown twice.
+WITHOUT_EGL = """
+from IPython.display import display
+viewer.live.has_egl = lambda: False
+flow = explorers.HeatExplorer(V, F, iterations=8)
+display(flow.view, flow)
+"""
 SCREENS = ((1440, 900), (1024, 768))
 # Milliseconds without a new frame after which an explorer has come to rest: where work takes
 # long, the bar that tells of it appears only after 300.
@@ -78,6 +87,7 @@ def student(tmp_path_factory):
 
     cells = [cell("imports", IMPORTS), cell("edge", "explorers.CotangentExplorer()")]
     cells += [cell(name, source) for name, source in EXPLORERS.items()]
+    cells += [cell("without-egl", WITHOUT_EGL)]
     kernel = {"name": "python3", "display_name": "Python 3"}
     notebook = {"cells": cells, "metadata": {"kernelspec": kernel}}
     lab = Lab(tmp_path_factory.mktemp("lab"))
@@ -220,6 +230,53 @@ def test_a_click_on_a_mesh_chooses_the_vertex(student):
     student.wait_for(
         "([node, old]) => node.innerText !== old", [vertex.element_handle(), before], timeout=5000
     )
+    assert student.complaints == []
+
+
+def test_without_egl_the_page_draws_and_all_that_show_a_view_turn_with_it(student):
+    student.run_cells("without-egl")
+    page = student.page
+    page.set_viewport_size({"width": 1440, "height": 1400})
+    cell = student.go_to("without-egl")
+    come_to_rest(student, cell, 1000)  # until the flow is there, and drawn well
+    student.settle(cell)
+    stages = cell.locator(".stage")
+    assert stages.count() == 6
+
+    def pictures():
+        page.evaluate("document.activeElement.blur()")
+        taken = [canvas.screenshot() for canvas in cell.locator(".stage canvas").all()]
+        return [np.array(Image.open(io.BytesIO(png)), dtype=float) for png in taken]
+
+    def same(pictures, others):
+        # A border that falls between two pixels is not always mixed alike.
+        pairs = zip(pictures, others, strict=True)
+        return [bool(np.abs(one - other).max() <= 1) for one, other in pairs]
+
+    def turn():
+        box = stages.nth(1).bounding_box()
+        x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        page.mouse.move(x, y)
+        page.mouse.down()
+        page.mouse.move(x + 40, y + 10, steps=4)
+        page.mouse.up()
+
+    first = pictures()
+    student.redrawn(cell, turn)
+    assert same(pictures(), first) == [False] * 6
+    student.picture("explorer-without-egl")
+    student.redrawn(cell, cell.get_by_text("Reset view").first.click)
+    assert same(pictures(), first) == [True] * 6
+    caption = cell.locator("figcaption").nth(2)
+    handle = student.slider(cell, "iteration")
+    handle.focus()
+    handle.press("End")
+    student.wait_for("node => node.innerText.includes('t = 1.60')", caption.element_handle())
+    student.settle(cell)
+    truth, _, flown = np.reshape(same(pictures(), first), (2, 3)).T
+    assert truth.all()
+    assert not flown.any()
+    assert student.output_errors() == []
     assert student.complaints == []
 
 

@@ -105,8 +105,8 @@ def test_what_view_cannot_do_is_refused_before_the_work(run, opened, files, word
     assert (files / "old.html").read_text() == (files / "old.png").read_text() == "old"
 
 
-def test_a_page_needs_neither_k3d_nor_jupyter(run, opened, monkeypatch):
-    for name in ("k3d", "ipywidgets", "anywidget"):
+def test_a_page_needs_no_jupyter(run, opened, monkeypatch):
+    for name in ("ipywidgets", "anywidget"):
         monkeypatch.setitem(__import__("sys").modules, name, None)
     assert run("view", "clean.ply", "--out", "p.html")[0] == 0
 
@@ -236,13 +236,16 @@ def browser():
         browser.close()
 
 
-# How many pixels each canvas has drawn, and how many of them in its outermost columns.
+# How many pixels each canvas shows, and how many of them in its outermost columns.
 OPAQUE = """[...document.querySelectorAll(".stage canvas")].map(canvas => {
-    const count = (x, width) => {
-        const { data } = canvas.getContext("2d").getImageData(x, 0, width, canvas.height);
+    const { clientWidth: width, clientHeight: height } = canvas;
+    const copy = new OffscreenCanvas(width, height).getContext("2d");
+    copy.drawImage(canvas, 0, 0, width, height);
+    const count = (x, columns) => {
+        const { data } = copy.getImageData(x, 0, columns, height);
         return data.filter((byte, k) => k % 4 === 3 && byte).length;
     };
-    return { all: count(0, canvas.width), edges: count(0, 1) + count(canvas.width - 1, 1) };
+    return { all: count(0, width), edges: count(0, 1) + count(width - 1, 1) };
 })"""
 CAMERA = "document.querySelector('.meshfair-player').player.view.camera.position"
 
@@ -311,7 +314,7 @@ def test_the_page_shows_linked_meshes_from_a_file_without_a_network(browser, run
 
 @pytest.mark.xdist_group("browser")
 def test_the_live_views_script_reports_each_frame_as_shown_whatever_is_in_it(browser):
-    script = scripts.text("stage.js", "frames.js")
+    script = scripts.text("stage.js", "kernel.js", "frames.js")
     tab = browser.new_page()
     tab.set_content("<body><div id=view style='width: 300px'></div></body>")
     tab.add_script_tag(

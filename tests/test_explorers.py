@@ -30,7 +30,7 @@ MESHES = {"box": shapes.box(segments=4), "knot": (V, F)}
 
 @pytest.fixture(autouse=True)
 def quick_pictures(monkeypatch):
-    """No page listens, so nothing is drawn; k3d would build its widgets, too."""
+    """No page listens, so nothing is drawn."""
     monkeypatch.setattr(viewer.live, "has_egl", lambda: True)
 
 

@@ -15,7 +15,7 @@ V, F = shapes.knot(40, 6)
 
 @pytest.fixture(autouse=True)
 def quick_pictures(monkeypatch):
-    """No page listens, so nothing is drawn; k3d would build its widgets, too."""
+    """No page listens, so nothing is drawn."""
     monkeypatch.setattr(viewer.live, "has_egl", lambda: True)
 
 

@@ -114,7 +114,7 @@ def test_nothing_behind_the_camera_is_clicked():
 
 
 def test_a_view_tells_what_was_clicked():
-    view = View([V, V], F, backend="k3d")
+    view = View([V, V], F, backend="webgl")
     view.click(1, 0.0, 0.3)  # which nobody wants to know
     clicked = []
     view.on_pick(lambda panel, vertex: clicked.append((panel, vertex)))
@@ -149,7 +149,7 @@ def test_a_page_that_asks_is_answered():
 
 
 def test_refit_shows_what_has_grown_and_keeps_the_readers_turn():
-    view = View(V, F, backend="k3d")
+    view = View(V, F, backend="webgl")
     view.refit(3 * V)
     np.testing.assert_allclose(
         view.camera.position,

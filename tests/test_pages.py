@@ -1,6 +1,7 @@
 """Meshes and explorers in pages without a kernel: what is stored, and what a browser shows."""
 
 import base64
+import io
 import json
 import os
 import re
@@ -13,15 +14,15 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from PIL import Image
 
 from meshfair import explorers, shapes, viewer
 from meshfair.explorers import states
 from meshfair.viewer import SideBySide, View, scripts
-from meshfair.viewer.packing import NO_VALUE
+from meshfair.viewer.packing import NO_VALUE, Arrays
 from meshfair.viewer.recording import Recording
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-NUMBERS = {1: np.uint8, 2: np.uint16, 4: np.uint32}
 
 
 @pytest.fixture
@@ -42,26 +43,35 @@ def unpacked(part):
     (text,) = re.findall(r'class="packed">([^<]*)</script>', part)
     whole = zlib.decompress(base64.b64decode(text))
     (length,) = struct.unpack("<I", whole[:4])
-    header, rest, arrays = json.loads(whole[4 : 4 + length]), whole[4 + length :], []
-    for width, count, stride, base in header.get("arrays", []):
+    header = json.loads(whole[4 : 4 + length])
+    return header, decoded(header.get("arrays", []), whole[4 + length :])
+
+
+def decoded(facts, rest):
+    """The arrays, from what is stored of them."""
+    arrays = []
+    for kind, count, stride, bases, factors in facts:
+        width = np.dtype(kind).itemsize
         planes = np.frombuffer(rest[: width * count], np.uint8).reshape(width, count)
         rest = rest[width * count :]
-        found = sum(plane.astype(np.uint64) << 8 * k for k, plane in enumerate(planes))
-        found = found.astype(NUMBERS[width])
-        if base >= 0:
-            found = found + arrays[base]
+        folded = sum(plane.astype(np.int64) << 8 * k for k, plane in enumerate(planes))
+        found = np.where(folded % 2, -(folded + 1) // 2, folded // 2)
+        if bases:
+            pairs = zip(factors, bases, strict=True)
+            expected = sum((factor * arrays[base] for factor, base in pairs), 0.5)
+            found = found + np.floor(expected).astype(np.int64)
         else:
             for k in range(stride):
-                found[k::stride] = np.cumsum(found[k::stride], dtype=NUMBERS[width])
-        arrays.append(found)
+                found[k::stride] = np.cumsum(found[k::stride])
+        arrays.append(found.astype(kind))  # what is too large begins again from below
     assert not rest
-    return header, arrays
+    return arrays
 
 
 def positions(header, arrays, state, panel):
     """A mesh's positions in units of the longest side of the first meshes' box."""
     V, _, _, look, _ = header["states"][state]["panels"][panel]
-    return arrays[V].view(np.int16).reshape(-1, 3) * header["things"][look]["units"]
+    return arrays[V].reshape(-1, 3) * header["things"][look]["units"]
 
 
 @given(
@@ -104,6 +114,24 @@ def test_values_and_faces_come_back(knot):
     assert np.abs(arrays[places][known] / 254 - part[known]).max() <= 0.5 / 254 + 1e-12
     assert none == -1
     assert len(header["things"][look]["stops"]) == 17
+
+
+@pytest.mark.parametrize("kind", [np.int16, np.uint8, np.uint16, np.uint32])
+@pytest.mark.parametrize("smooth", [True, False])
+def test_whole_numbers_of_any_size_come_back(kind, smooth, rng):
+    low, high = np.iinfo(kind).min, np.iinfo(kind).max
+    ends = rng.integers(low, high, (2, 300), endpoint=True)
+    weights = rng.uniform(0, 1, 12) if smooth else rng.integers(0, 2, 12)
+    rows = [np.rint(w * ends[0] + (1 - w) * ends[1]).astype(kind) for w in weights]
+    rows += [np.array([low, high] * 150, kind), np.array([high, low] * 150, kind)]
+    arrays = Arrays()
+    numbers = [arrays.add(row, 3, range(len(arrays.facts))) for row in rows]
+    found = decoded(arrays.facts, arrays.joined())
+    for number, row in zip(numbers, rows, strict=True):
+        np.testing.assert_array_equal(found[number], row)
+    if smooth and kind != np.uint8:
+        # Two of them tell the others, but for rounding.
+        assert len(zlib.compress(arrays.joined())) < 6 * rows[0].nbytes
 
 
 def test_what_states_have_in_common_is_stored_once(knot):
@@ -202,7 +230,7 @@ def test_every_explorer_has_a_form_without_a_kernel(name, monkeypatch):
 
 
 def test_a_page_is_asked_for_by_the_environment(knot, monkeypatch):
-    view, edge = View(*knot, titles="a <knot>", backend="k3d"), explorers.CotangentExplorer()
+    view, edge = View(*knot, titles="a <knot>", backend="webgl"), explorers.CotangentExplorer()
     guess = explorers.Prediction("How <many>?", (0, 30), unit="dB")
     shown = [view, edge, guess, guess.reveal(2, "So it is.")]
     for value in ("", "0"):
@@ -274,7 +302,13 @@ def test_an_explorer_moves_in_a_page_on_file(browser, heat, tmp_path, width, sch
     )  # fmt: skip
     tab.wait_for_selector(".meshfair-player[data-ready=true] line.marker", state="attached")
     rest(tab)
+    stored = tab.evaluate(
+        "document.querySelector('.meshfair-player').player.arrays.map(a => [...a])"
+    )
+    assert stored == [array.tolist() for array in unpacked(heat.to_html())[1]]
     assert tab.evaluate("document.documentElement.scrollWidth") <= width
+    paper = np.asarray(Image.open(io.BytesIO(tab.screenshot())))[0, 0, :3]
+    assert (paper.mean() < 60) == (scheme == "dark")
     stage = tab.locator(".stage").nth(2)
     first, label = stage.screenshot(), tab.inner_text("figcaption >> nth=2")
     assert label == heat.view.titles[2]
@@ -343,7 +377,7 @@ def test_without_scripts_or_webgl_the_still_stays(browser, knot, tmp_path):
     tab.context.close()
 
     tab = browser.new_context().new_page()
-    tab.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
+    tab.add_init_script("OffscreenCanvas.prototype.getContext = () => null")
     tab.goto((tmp_path / "knot.html").as_uri())
     tab.wait_for_selector(".meshfair-player[data-failed=true] .error")
     assert "no WebGL 2" in tab.inner_text(".error")
@@ -351,6 +385,137 @@ def test_without_scripts_or_webgl_the_still_stays(browser, knot, tmp_path):
     tab.context.close()
 
 
+class Live:
+    """A view that draws in the page, in a browser: what both say to each other is carried over."""
+
+    HOST = """
+window.sent = [];
+const model = {
+  get: () => COUNT, off: () => {}, send: (message) => window.sent.push(message),
+  on: (name, receive) => (window.receive = receive),
+};
+const el = document.getElementById("view");
+window.release = render({ model, el });
+window.carry = (message, buffers) => window.receive(message, buffers.map((text) => {
+  // As the notebook gives them: parts of a larger piece of memory, on any border.
+  const letters = "?" + atob(text);
+  const bytes = Uint8Array.from(letters, (letter) => letter.charCodeAt(0));
+  return new DataView(bytes.buffer, 1);
+}));
+"""
+
+    def __init__(self, tab, view, width=500):
+        self.tab, self.view, self._posted = tab, view, []
+        view.widget.send = lambda message, buffers=(): self._posted.append((message, buffers))
+        style = "<style>" + scripts.text("frames.css") + "</style>"
+        tab.set_content(f"{style}<body><div id=view style='width: {width}px'></div></body>")
+        host = self.HOST.replace("COUNT", str(len(view.panels)))
+        tab.add_script_tag(type="module", content=scripts.text(*scripts.LIVE) + host)
+        tab.wait_for_function("window.sent !== undefined")
+
+    def settle(self):
+        """Carry messages until there are none any more, and the pictures are fine ones."""
+        for _ in range(50):
+            rest(self.tab)
+            for message in self.tab.evaluate("window.sent.splice(0)"):
+                self.view._backend._receive(None, message, None)
+            posted, self._posted = self._posted, []
+            for message, buffers in posted:
+                texts = [base64.b64encode(data).decode() for data in buffers]
+                self.tab.evaluate("([m, b]) => window.carry(m, b)", [message, texts])
+            drafts = self.tab.locator(".stage:not([data-draft=false])").count()
+            if not posted and not drafts:
+                return
+        raise AssertionError("no rest")
+
+    def pictures(self):
+        self.tab.evaluate("document.activeElement.blur()")  # without the line around it
+        return [stage.screenshot() for stage in self.tab.locator(".stage").all()]
+
+
+@pytest.mark.xdist_group("browser")
+def test_a_view_without_egl_is_drawn_by_the_page_and_turned_by_both(browser, knot):
+    V, F = knot
+    view = View([V, V], F, titles=["a", "b"], values=[None, V[:, 2]], label="z", backend="webgl")
+    complaints = []
+    tab = browser.new_page()
+    tab.on("pageerror", lambda error: complaints.append(str(error)))
+    tab.on("console", lambda m: m.type == "error" and complaints.append(m.text))
+    live = Live(tab, view)
+    live.settle()
+    assert tab.locator("figcaption").all_inner_texts() == ["a", "b"]
+    assert tab.inner_text(".bar .label") == "z"
+    first = live.pictures()
+    home = view.camera
+
+    # The page turns, and Python knows.
+    box = tab.locator(".stage").nth(1).bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    tab.mouse.move(x, y)
+    tab.mouse.down()
+    tab.mouse.move(x + box["height"] / 4, y, steps=3)
+    tab.mouse.up()
+    live.settle()
+    turned = live.pictures()
+    assert turned[0] != first[0]
+    assert turned[1] != first[1]
+    # A quarter of the panel's height, without its border, is an eighth of a whole turn.
+    height = box["height"] - 2
+    angle = -np.pi * (box["height"] / 4) / height
+    expected = home.orbit(angle, 0, view.up)
+    np.testing.assert_allclose(view.camera.position, expected.position, atol=1e-6)
+    # Python turns, and the page follows.
+    view.camera = home
+    view._refresh([], moved=True)
+    live.settle()
+    assert live.pictures() == first
+    tab.locator(".stage").nth(1).press("ArrowLeft")
+    live.settle()
+    assert view.camera == home.orbit(np.pi / 24, 0, view.up)
+    tab.click("text=Reset view")
+    live.settle()
+    assert view.camera == home
+    assert live.pictures() == first
+
+    # Another mesh in one panel leaves the other as it is.
+    view.update(0.8 * V, panel=1, values=np.arange(len(F)), title="c")
+    live.settle()
+    changed = live.pictures()
+    assert changed[0] == first[0]
+    assert changed[1] != first[1]
+    assert tab.locator(".stage").nth(1).get_attribute("aria-label") == "Mesh: c"
+
+    clicked = []
+    view.on_pick(lambda *which: clicked.append(which))
+    nearest = np.linalg.norm(V - view.camera.position, axis=1).argmin()
+    across, up, back = view.camera.axes @ (V[nearest] - view.camera.position)
+    middle = tab.locator(".stage").nth(0).bounding_box()
+    scale = middle["height"] / 2 / (np.tan(np.radians(12.5)) * -back)
+    tab.mouse.click(
+        middle["x"] + middle["width"] / 2 + scale * across,
+        middle["y"] + middle["height"] / 2 - scale * up,
+    )
+    live.settle()
+    assert clicked == [(0, nearest)]
+    assert complaints == []
+    tab.close()
+
+
+@pytest.mark.xdist_group("browser")
+def test_a_view_without_webgl_says_so(browser, knot):
+    tab = browser.new_context().new_page()
+    tab.add_init_script("OffscreenCanvas.prototype.getContext = () => null")
+    tab.goto("about:blank")
+    Live(tab, View(*knot, backend="webgl"))
+    assert "no WebGL 2" in tab.inner_text("#view .error")
+    tab.context.close()
+
+
 def test_the_scripts_of_widgets_are_modules_of_their_own():
-    for names in (("stage.js", "frames.js"), ("curves.js",), ("cotangents.js",)):
+    for names in (
+        scripts.LIVE,
+        ("stage.js", "kernel.js", "frames.js"),
+        ("curves.js",),
+        ("cotangents.js",),
+    ):
         assert scripts.text(*names).count(scripts.EXPORT) == 1

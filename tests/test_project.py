@@ -115,7 +115,16 @@ def test_import_is_quick_because_it_loads_little():
     assert done.returncode == 0, done.stderr
     loaded = set(done.stdout.split())
     assert {"meshfair", "numpy"} <= loaded
-    heavy = {"numba", "scipy", "pandas", "matplotlib", "igl", "polyscope", "ipywidgets", "k3d"}
+    heavy = {
+        "numba",
+        "scipy",
+        "pandas",
+        "matplotlib",
+        "igl",
+        "polyscope",
+        "ipywidgets",
+        "anywidget",
+    }
     assert heavy.isdisjoint(loaded)
 
 

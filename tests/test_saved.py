@@ -25,13 +25,14 @@ V, F = shapes.knot(30, 5)
 MESHES = {"box": shapes.box(segments=2), "knot": (V, F)}
 MADE = {
     "view": lambda: View([V, V], F, titles=["a <b>", None], values=[V[:, 0], None], label="x"),
-    "k3d": lambda: View(V, F, backend="k3d"),
+    "webgl": lambda: View(V, F, backend="webgl"),
     "averaging": lambda: explorers.AveragingExplorer(V, F, iterations=3),
     "comparison": lambda: explorers.ComparisonExplorer(V, F, iterations=3),
     "edge": explorers.CotangentExplorer,
     "eigenmodes": lambda: explorers.EigenmodeExplorer(V, F),
     "filters": lambda: explorers.FilterExplorer(MESHES),
     "heat": lambda: explorers.HeatExplorer(V, F, iterations=3),
+    "iterations": lambda: explorers.IterationExplorer([V, V / 2], F, ground_truth=V),
     "jet": lambda: explorers.JetExplorer(detail=0.5, iterations=2),
     "kernels": lambda: explorers.KernelExplorer(MESHES),
     "low-pass": lambda: explorers.LowPassExplorer(V, F),

@@ -22,10 +22,10 @@ from meshfair.explorers.curves import CurvePlot
 from meshfair.viewer import View
 from meshfair.viewer.recording import Recording
 
-LARGEST = 750_000  # bytes of a page that an explorer may take
+LARGEST = 1_000_000  # bytes of a page that an explorer may take
 LONGEST = 25.0  # seconds that going through the settings may take
 SHARE = 0.6  # of both, at most, for the main control alone
-MANY, SOME, FEW = 21, 7, 4  # positions: of the main control, of others, of the main with those
+MANY, SOME, FEW = 41, 9, 6  # positions: of the main control, of others, of the main with those
 LIVE = "Stored states: a notebook with Python behind it computes any setting."
 
 Settings = dict[str, Any]

@@ -1,8 +1,8 @@
 """The one interface between a view and what draws it in the page.
 
 There are two back ends: `meshfair.viewer.frames` streams polyscope's pictures,
-`meshfair.viewer.in_page` lets k3d draw in the page. A view knows of them, and
-they of a view, what stands here and no more.
+`meshfair.viewer.in_page` sends meshes, which the page draws by WebGL. A view knows of
+them, and they of a view, what stands here and no more.
 """
 
 from __future__ import annotations
@@ -13,6 +13,8 @@ from typing import Any, Protocol
 from meshfair.checks import Floats
 from meshfair.viewer.camera import Camera
 from meshfair.viewer.panel import Panel, Scale
+
+LOST = 5.0  # seconds after which what was not confirmed is given up: its page is gone
 
 
 class Backend(Protocol):
@@ -57,3 +59,9 @@ class Shown(Protocol):
 
     def click(self, panel: int, x: float, y: float) -> None:
         """Somebody has clicked on a panel; x and y are from -1 to 1."""
+
+
+def moved(view: Shown, move: dict[str, Any]) -> Camera:
+    """The view's camera after a move of the pointer in a page."""
+    camera = view.camera.orbit(move["yaw"], move["pitch"], view.up)
+    return camera.pan(*move["pan"]).zoom(move["zoom"])

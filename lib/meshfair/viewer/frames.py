@@ -20,20 +20,19 @@ import traitlets
 from PIL import Image
 
 from meshfair.viewer import offscreen
-from meshfair.viewer.backend import Shown
+from meshfair.viewer.backend import LOST, Shown, moved
 from meshfair.viewer.offscreen import Pixels
 from meshfair.viewer.page import bar
 from meshfair.viewer.scripts import text
 
 DRAFT, GOOD = 1, 2  # supersampling
-LOST = 5.0  # seconds after which a frame that was not confirmed is given up: its page is gone
 LARGEST = 2400  # pixels, of a frame's longer side
 
 
 class FramesWidget(anywidget.AnyWidget):
     """The page's part: pictures, pointer, colour bar. See frames.js."""
 
-    _esm = text("stage.js", "frames.js")
+    _esm = text("stage.js", "kernel.js", "frames.js")
     _css = text("frames.css")
     count = traitlets.Int(1).tag(sync=True)
 
@@ -91,8 +90,7 @@ class Frames:
         elif kind == "ping":
             self.widget.send({"kind": "pong"})
         elif kind == "move":
-            camera = self._view.camera.orbit(message["yaw"], message["pitch"], self._view.up)
-            self._view.camera = camera.pan(*message["pan"]).zoom(message["zoom"])
+            self._view.camera = moved(self._view, message)
             self.camera_moved()
 
     def _pump(self) -> None:

@@ -1,25 +1,36 @@
-"""The view without EGL: k3d draws the meshes in the page itself."""
+"""The view without EGL: Python sends meshes, and the page draws them by WebGL.
+
+The page turns them by itself and tells how, so that Python's camera is the page's. Only what has
+changed is sent, in one message at a time: what changes meanwhile goes with the next.
+"""
 
 from __future__ import annotations
 
-import html
+import threading
+import time
 from collections.abc import Iterable
 from typing import Any
 
-import ipywidgets
-import k3d
+import anywidget
 import numpy as np
-from matplotlib.colors import to_hex
+import traitlets
 
-from meshfair.viewer.backend import Shown
-from meshfair.viewer.camera import FIELD_OF_VIEW, Camera
-from meshfair.viewer.panel import SURFACE, Panel, Scale
+from meshfair.viewer.backend import LOST, Shown, moved
+from meshfair.viewer.packing import look, parts
+from meshfair.viewer.page import bar
+from meshfair.viewer.scripts import LIVE, text
 
-HEIGHT = 300  # CSS pixels, as in frames.css
+
+class MeshesWidget(anywidget.AnyWidget):
+    """The page's part: meshes, pointer, colour bar. See in_page.js."""
+
+    _esm = text(*LIVE)
+    _css = text("frames.css")
+    count = traitlets.Int(1).tag(sync=True)
 
 
 class InPage:
-    """A view's panels as k3d plots with linked cameras.
+    """Sends a view's panels to the page when they change.
 
     Parameters
     ----------
@@ -28,108 +39,97 @@ class InPage:
 
     def __init__(self, view: Shown) -> None:
         self._view = view
-        self._titles = [ipywidgets.HTML() for _ in view.placed]
-        self._plots = [plot() for _ in view.placed]
-        self._meshes: list[Any] = [None] * len(view.placed)
-        for other in self._plots[1:]:
-            ipywidgets.jslink((self._plots[0], "camera"), (other, "camera"))
-        panel = ipywidgets.Layout(flex="1 1 180px", min_width="180px")
-        row = ipywidgets.HBox(
-            [
-                ipywidgets.VBox([title, plot], layout=panel)
-                for title, plot in zip(self._titles, self._plots, strict=True)
-            ],
-            layout=ipywidgets.Layout(flex_flow="row wrap", width="100%"),
-        )
-        self._bar = ipywidgets.HTML()
-        self.widget = ipywidgets.VBox([row, self._bar], layout={"width": "100%"})
-        self.refresh(range(len(view.placed)))
-        self.camera_moved()
+        self._lock = threading.Lock()
+        self._wanted: set[int] = set()  # panels that have changed since they were sent
+        self._aimed = False  # the camera has, too
+        self._fresh = False  # a page has nothing yet
+        self._there = False  # there is a page
+        self._sent: float | None = None  # when the message on its way was sent
+        self._known: list[dict[str, bytes | None]] = [{} for _ in view.placed]
+        self.widget = MeshesWidget(count=len(view.placed))
+        self.widget.on_msg(self._receive)
 
     def refresh(self, panels: Iterable[int]) -> None:
         """Show some panels' meshes, values and titles of now."""
-        scale = self._view.scale
-        self._bar.value = "" if scale is None else bar(scale, self._view.label)
-        for k in panels:
-            panel = self._view.placed[k]
-            self._titles[k].value = html.escape(self._view.titles[k])
-            mesh = self._meshes[k]
-            if mesh is not None and len(mesh.vertices) == len(panel.V):
-                mesh.vertices = panel.V.astype(np.float32)
-                if not np.array_equal(mesh.indices, panel.F):
-                    mesh.indices = panel.F.astype(np.uint32)
-                for name, value in _values(panel, scale).items():
-                    setattr(mesh, name, value)
-                continue
-            if mesh is not None:
-                self._plots[k] -= mesh
-            self._meshes[k] = drawn(panel, scale)
-            self._plots[k] += self._meshes[k]
+        with self._lock:
+            self._wanted.update(panels)
+        self._pump()
 
     def camera_moved(self, panels: Iterable[int] = ()) -> None:
-        """Point the plots' camera as the view's, and show some panels of now."""
+        """Point the page's camera as the view's, and show some panels of now."""
+        self._aimed = True
         self.refresh(panels)
-        place = pose(self._view.placed_camera)
-        for plot in self._plots:
-            plot.camera = place
 
+    def _receive(self, widget: Any, message: dict[str, Any], buffers: Any) -> None:
+        """Handle a message from the page; on any thread, and quick."""
+        kind = message["kind"]
+        if kind == "layout":
+            self._view.fit(message["width"] / message["height"])
+            self._there = True
+            if message["fresh"]:
+                self._fresh, self._sent = True, None
+                self._wanted.update(range(len(self._view.placed)))
+            self.camera_moved()
+        elif kind == "shown":
+            self._sent = None
+            self._pump()
+        elif kind == "reset":
+            self._view.reset()
+        elif kind == "click":
+            self._view.click(message["panel"], message["x"], message["y"])
+        elif kind == "ping":
+            self.widget.send({"kind": "pong"})
+        elif kind == "move":
+            self._view.camera = moved(self._view, message)
+            # To the page that moved it, an answer; to others with the same view, the news.
+            self.widget.send({"kind": "moved", "by": message["by"], **self._camera()})
 
-def plot() -> Any:
-    """An empty k3d plot."""
-    return k3d.plot(
-        height=HEIGHT,
-        grid_visible=False,
-        background_color=-1,  # the page's own, in both themes
-        menu_visibility=False,
-        camera_auto_fit=False,
-        camera_fov=FIELD_OF_VIEW,
-        axes_helper=0,
-        colorbar_object_id=0,  # k3d's own bar would lie on the mesh
-    )
+    def _pump(self) -> None:
+        """Send what has changed, unless something is on its way, or no page is there."""
+        with self._lock:
+            on_its_way = self._sent is not None and time.monotonic() - self._sent < LOST
+            if on_its_way or not self._there or not (self._wanted or self._aimed):
+                return
+            if self._fresh:
+                self._known = [{} for _ in self._known]
+            buffers: list[bytes] = []
+            scale = self._view.scale
+            message = {
+                "kind": "show",
+                "whole": self._fresh,
+                "panels": [self._panel(k, buffers) for k in sorted(self._wanted)],
+                "bar": scale and bar(scale, self._view.label),
+                **(self._camera() if self._aimed else {}),
+            }
+            self._wanted, self._aimed, self._fresh = set(), False, False
+            self._sent = time.monotonic()
+        self.widget.send(message, buffers)
 
+    def _panel(self, k: int, buffers: list[bytes]) -> dict[str, Any]:
+        """What the page needs to know of a panel; arrays that it lacks go to the buffers."""
+        panel, scale = self._view.placed[k], self._view.scale
+        places = parts(panel, scale)
+        given = {
+            "V": panel.V.astype("<f4").tobytes(),
+            "F": panel.F.astype("<u4").tobytes(),
+            "parts": None if places is None else places.tobytes(),
+        }
+        arrays: dict[str, int | None] = {}  # which of the buffers; None where there is none
+        for name, data in given.items():
+            if name in self._known[k] and self._known[k][name] == data:
+                continue
+            arrays[name] = None if data is None else len(buffers)
+            if data is not None:
+                buffers.append(data)
+        self._known[k] = given
+        return {
+            "panel": k,
+            "title": self._view.titles[k],
+            "look": look(panel, scale),
+            "arrays": arrays,
+        }
 
-def drawn(panel: Panel, scale: Scale | None) -> Any:
-    """A panel, placed, as a k3d mesh."""
-    return k3d.mesh(
-        panel.V.astype(np.float32),
-        panel.F.astype(np.uint32),
-        flat_shading=not panel.smooth,
-        side="double",
-        **_values(panel, scale),
-    )
-
-
-def pose(camera: Camera) -> list[float]:
-    """A camera, placed, as k3d has it."""
-    return [*camera.position, *camera.target, *camera.up]
-
-
-def _values(panel: Panel, scale: Scale | None) -> dict[str, Any]:
-    """The traits of a k3d mesh that hold a panel's values: at vertices, or on triangles."""
-    if panel.values is None or scale is None:
-        color = SURFACE if panel.values is None else panel.none
-        return {"attribute": [], "triangles_attribute": [], "color": int(to_hex(color)[1:], 16)}
-    at = np.linspace(0, 1, 33)
-    color_map = np.column_stack([at, scale.colormap(at)[:, :3]])
-    values, low = scale.parts(panel.values), 0.0
-    if not panel.complete:
-        # Below its low end the scale gets a piece that is grey, for what has no value.
-        low = -0.1
-        values = np.where(panel.known, np.clip(values, 0, 1), low)
-        color_map = np.concatenate([[(low, *panel.none), (-1e-3, *panel.none)], color_map])
-        color_map[:, 0] = (color_map[:, 0] - low) / (1 - low)
-    values = values.astype(np.float32)
-    return {
-        "attribute": values if panel.values_on == "vertices" else [],
-        "triangles_attribute": values if panel.values_on == "faces" else [],
-        "color_map": color_map.astype(np.float32).ravel(),
-        "color_range": [low, 1.0],
-    }
-
-
-def bar(scale: Scale, label: str) -> str:
-    """The colour bar as HTML."""
-    look = f"linear-gradient(to right, {', '.join(scale.stops())}); width: 130px; height: 10px"
-    colours = f'<i style="display: inline-block; background: {look}"></i>'
-    low, high = map(html.escape, scale.ends())
-    return f"{html.escape(label)} &ensp; {low} {colours} {high}"
+    def _camera(self) -> dict[str, list[float]]:
+        camera = self._view.placed_camera
+        place = [*camera.position, *camera.target, *camera.up]
+        return {"camera": place, "up": np.asarray(self._view.up).tolist()}

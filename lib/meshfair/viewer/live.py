@@ -10,12 +10,13 @@ from meshfair.viewer.egl import has_egl
 def made(name: str | None, view: Shown) -> Backend:
     """What draws a view in the page, by name; its libraries are loaded here."""
     if name is None:
-        name = "polyscope" if has_egl() else "k3d"
-    name = check_choice(name, "backend", ("polyscope", "k3d"))
-    if name == "polyscope":
-        with needed_for("a live view"):
+        name = "polyscope" if has_egl() else "webgl"
+    name = check_choice(name, "backend", ("polyscope", "webgl"))
+    with needed_for("a live view"):
+        if name == "polyscope":
             from meshfair.viewer.frames import Frames
-        return Frames(view)
-    with needed_for("a live view without EGL"):
+
+            return Frames(view)
         from meshfair.viewer.in_page import InPage
-    return InPage(view)
+
+        return InPage(view)

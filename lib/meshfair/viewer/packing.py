@@ -16,6 +16,7 @@ from meshfair.viewer.placement import Placement
 
 NO_VALUE = 255  # among the places on the scale, which are from 0 to 254
 FINEST = 65535  # steps of a grid along the longest side of the first meshes
+NEAREST = 5  # arrays, at most, of which a similar one is made up
 ASPECTS = (0.5, 1.0, 1.5, 2.0, 3.0)  # of panels that have cameras of their own
 
 Entries = NDArray[Any]
@@ -97,12 +98,14 @@ class Grid:
 class Arrays:
     """Arrays of whole numbers as one string of bytes, each of them once.
 
-    What is stored is the difference to a similar array, or to the entry before, byte by byte,
-    which zlib then makes small. player.js has the way back.
+    What is stored is the difference to what is expected: the entry before, or the best sum of
+    multiples of some similar arrays, rounded. Byte by byte, zlib then makes it small. player.js
+    has the way back, and computes the same sums to the last bit.
     """
 
     def __init__(self) -> None:
-        self.facts: list[list[int]] = []  # bytes per entry, entries, stride, base
+        # Of each: kind of numbers, entries, stride, similar arrays, and their factors.
+        self.facts: list[tuple[str, int, int, list[int], list[float]]] = []
         self.size = 0  # about how many bytes there are, compressed
         self._bytes: list[bytes] = []
         self._stored: list[Entries] = []
@@ -124,26 +127,38 @@ class Arrays:
         int
         """
         flat = np.ascontiguousarray(entries).ravel()
-        flat = flat.view(f"u{flat.itemsize}")
-        key = (flat.dtype.str, flat.tobytes())
+        kind = f"{flat.dtype.kind}{flat.itemsize}"
+        key = (kind, flat.tobytes())
         if key in self._known:
             return self._known[key]
         before = np.zeros_like(flat)
         before[stride:] = flat[:-stride]
-        options = {-1: before}
+        best: tuple[list[int], list[float]] = ([], [])
+        planes = _planes(flat, before)
+        size = len(zlib.compress(planes, 1))
+        nearest = self._nearest(flat, similar)
+        for count in range(1, len(nearest) + 1):
+            bases = nearest[:count]
+            others = [self._stored[number] for number in bases]
+            factors = _factors(flat, others)
+            found = _planes(flat, _sum(others, factors, flat.dtype))
+            if (shorter := len(zlib.compress(found, 1))) < size:
+                best, planes, size = (bases, factors), found, shorter
+        self.size += size
+        self._bytes.append(planes)
+        self._stored.append(flat)
+        self.facts.append((kind, len(flat), stride, *best))
+        self._known[key] = len(self.facts) - 1
+        return len(self.facts) - 1
+
+    def _nearest(self, flat: Entries, similar: Sequence[int]) -> list[int]:
+        """Of some arrays the few that differ least, the nearest first."""
+        apart = {}
         for number in similar:
             other = self._stored[number]
             if other.dtype == flat.dtype and len(other) == len(flat):
-                options[number] = other
-        found = {base: _planes(flat - other) for base, other in options.items()}
-        sizes = {base: len(zlib.compress(planes, 1)) for base, planes in found.items()}
-        base = min(sizes, key=sizes.__getitem__)
-        self.size += sizes[base]
-        self._bytes.append(found[base])
-        self._stored.append(flat)
-        self.facts.append([flat.itemsize, len(flat), stride, base])
-        self._known[key] = len(self.facts) - 1
-        return len(self.facts) - 1
+                apart[number] = int(np.abs(np.subtract(flat, other, dtype=np.int64)).sum())
+        return sorted(apart, key=apart.__getitem__)[:NEAREST]
 
     def faces(self, F: Entries) -> int:
         """Store faces."""
@@ -155,8 +170,30 @@ class Arrays:
         return b"".join(self._bytes)
 
 
-def _planes(entries: Entries) -> bytes:
-    """The entries' lowest bytes, then the next higher ones, and so on."""
+def _factors(flat: Entries, others: Sequence[Entries]) -> list[float]:
+    """The multiples of some arrays whose sum comes closest to another."""
+    if len(others) == 1:
+        return [1.0]
+    columns = np.stack(others, axis=1).astype(np.float64)
+    found = np.linalg.lstsq(columns, flat.astype(np.float64), rcond=None)[0]
+    return [round(float(x), 6) for x in found]
+
+
+def _sum(others: Sequence[Entries], factors: Sequence[float], dtype: np.dtype[Any]) -> Entries:
+    """A sum of multiples of arrays, rounded; one product after the other, as the page adds."""
+    total = np.full(len(others[0]), 0.5)
+    for other, factor in zip(others, factors, strict=True):
+        total += factor * other
+    return np.floor(total).astype(np.int64).astype(dtype)
+
+
+def _planes(entries: Entries, expected: Entries) -> bytes:
+    """The differences' lowest bytes, then the next higher ones, and so on.
+
+    Small differences of either sign become small numbers: 0, -1, 1, -2 are 0, 1, 2, 3.
+    """
     width = entries.dtype.itemsize
-    little = entries.astype(entries.dtype.newbyteorder("<"))
+    apart = (entries - expected).view(f"i{width}")
+    folded = (apart << 1) ^ (apart >> (8 * width - 1))
+    little = folded.astype(folded.dtype.newbyteorder("<"))
     return little.view(np.uint8).reshape(-1, width).T.tobytes()

@@ -35,7 +35,7 @@ class Recording:
         self._up = [float(x) for x in view.up]
         self._arrays = Arrays()
         self._things: dict[str, int] = {}
-        self._latest: dict[tuple[int, str], list[int]] = {}  # what panels have shown
+        self._shown: dict[str, list[int]] = {}  # by kind
 
     @property
     def size(self) -> int:
@@ -54,12 +54,12 @@ class Recording:
         """
         scale = view.scale
         panels = []
-        for k, (panel, title) in enumerate(zip(view.panels, view.titles, strict=True)):
+        for panel, title in zip(view.panels, view.titles, strict=True):
             steps, power = self.grid.steps(panel)
-            V = self._store(k, f"V{power}", steps, 3)
+            V = self._store(f"V{power}", steps, 3)
             F = self._arrays.faces(panel.F)
             places = parts(panel, scale)
-            values = -1 if places is None else self._store(k, "values", places, 1)
+            values = -1 if places is None else self._store("values", places, 1)
             drawn = look(panel, scale) | {"units": self.grid.units(power)}
             panels.append([V, F, values, self._thing(drawn), self._thing(title)])
         self.states.append(
@@ -102,11 +102,11 @@ class Recording:
         }
         return pack(header, self._arrays.joined())
 
-    def _store(self, panel: int, kind: str, entries: Any, stride: int) -> int:
-        latest = self._latest.setdefault((panel, kind), [])
-        number = self._arrays.add(entries, stride, latest)
-        # The first one and the last one: what comes next is like one of them, if any.
-        self._latest[panel, kind] = [*latest[:1], number]
+    def _store(self, kind: str, entries: Any, stride: int) -> int:
+        shown = self._shown.setdefault(kind, [])
+        number = self._arrays.add(entries, stride, shown)
+        if number not in shown:
+            shown.append(number)
         return number
 
     def _thing(self, thing: Any) -> int:

@@ -7,8 +7,11 @@ from importlib.resources import files
 
 EXPORT = "export default { render };\n"
 
+# What a widget runs that draws meshes by itself.
+LIVE = ("stage.js", "camera.js", "painter.js", "meshes.js", "kernel.js", "in_page.js")
+
 # What the scripts of a page on file are made of; each of the plots is shut off from the others.
-PLAYER = ("stage.js", "camera.js", "meshes.js")
+PLAYER = ("stage.js", "camera.js", "painter.js", "meshes.js")
 PLOTS = {"renderCurves": "curves.js", "renderCotangents": "cotangents.js"}
 STYLES = ("frames.css", "curves.css", "cotangents.css", "player.css")
 

@@ -23,8 +23,8 @@ class View(Displayed, SideBySide):
     """Meshes that can be turned: drag to turn, shift-drag to move, wheel to zoom, R to reset.
 
     Drawn by polyscope on the machine where Python runs, each frame sent to
-    the page; without EGL there (macOS, Windows, a bare server) drawn by k3d in
-    the page itself. Several meshes stand side by side and share one camera.
+    the page; without EGL there (macOS, Windows, a bare server) drawn in the page
+    itself, by WebGL. Several meshes stand side by side and share one camera.
     A notebook that is saved keeps a still of what was shown last, for readers without
     its kernel.
 
@@ -53,7 +53,7 @@ class View(Displayed, SideBySide):
     direction, up : three floats
         From the meshes towards the camera, and what stays upright. Looking straight
         along ``up``, an axis across stands up in its place.
-    backend : {"polyscope", "k3d"}, optional
+    backend : {"polyscope", "webgl"}, optional
         What draws; by default polyscope where there is EGL.
 
     Raises
@@ -272,7 +272,7 @@ class View(Displayed, SideBySide):
         self._refresh([], moved=True)
 
     def on_pick(self, function: Callable[[int, int], object] | None) -> None:
-        """Say what a click on a mesh does, in a page whose frames polyscope draws.
+        """Say what a click on a mesh does.
 
         Parameters
         ----------

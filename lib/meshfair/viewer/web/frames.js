@@ -1,4 +1,5 @@
-// Shows the frames that Python sends, and sends back what the pointer does. Behind stage.js.
+// Shows the frames that Python sends, and sends back what the pointer does. Behind stage.js and
+// kernel.js.
 //
 // To Python:  layout  panel size, pixel ratio and background; asks for all panels
 //             move    the camera's change since the last move, while none is unanswered
@@ -8,12 +9,7 @@
 // To here:    frame   pictures of some panels, their titles and the colour bar
 //             error   a line to show
 
-const RETRY = 3000; // ms until a first frame that did not come is asked for again
 const REST = 250; // ms without a new frame until good frames are asked for
-const PATIENCE = 4000; // ms until an answer is missed
-const TOUCHES = ["pointerdown", "keydown", "change"];
-const GONE =
-  "Python does not answer. If the kernel was restarted, run this cell again; if it is busy, wait.";
 
 /** The colour on which the notebook draws, each channel from 0 to 1. */
 function background(node) {
@@ -23,85 +19,6 @@ function background(node) {
 
 function pause(milliseconds) {
   return new Promise((resolve) => setTimeout(resolve, milliseconds));
-}
-
-/** Gathers the camera's changes; at most one message to Python is unanswered. */
-class Moves {
-  constructor(model) {
-    this.model = model;
-    this.clear();
-    this.unanswered = -Infinity; // when the last move was sent, until it is answered
-  }
-
-  clear() {
-    this.gathered = { kind: "move", yaw: 0, pitch: 0, pan: [0, 0], zoom: 1 };
-    this.empty = true;
-  }
-
-  add({ yaw = 0, pitch = 0, pan = [0, 0], zoom = 1 }) {
-    this.gathered.yaw += yaw;
-    this.gathered.pitch += pitch;
-    this.gathered.pan[0] += pan[0];
-    this.gathered.pan[1] += pan[1];
-    this.gathered.zoom *= zoom;
-    this.empty = false;
-    this.send();
-  }
-
-  send() {
-    // An answer that never comes, because the kernel was restarted, must not block for ever.
-    if (this.empty || performance.now() - this.unanswered < 2000) return;
-    this.unanswered = performance.now();
-    this.model.send(this.gathered);
-    this.clear();
-  }
-
-  answered() {
-    this.unanswered = -Infinity;
-    this.send();
-  }
-}
-
-/** Notices that Python answers nothing any more: its kernel was restarted, has gone, or is busy. */
-class Pulse {
-  constructor(model, el, tell) {
-    this.model = model;
-    this.tell = tell;
-    this.timer = 0;
-    this.silent = false;
-    // Whatever is done to the view, or to the sliders of the explorer that it is part of.
-    this.touched = (event) => {
-      const whole = el.closest(".meshfair-explorer") ?? el;
-      if (whole.contains(event.target)) this.ask();
-    };
-    for (const kind of TOUCHES) document.addEventListener(kind, this.touched, true);
-  }
-
-  ask() {
-    if (this.timer) return;
-    this.timer = setTimeout(() => {
-      this.timer = 0;
-      this.silent = true;
-      this.tell(GONE);
-    }, PATIENCE);
-    try {
-      this.model.send({ kind: "ping" });
-    } catch {
-      // Without a kernel nothing can be sent; the timer tells.
-    }
-  }
-
-  answered() {
-    clearTimeout(this.timer);
-    this.timer = 0;
-    if (this.silent) this.tell("");
-    this.silent = false;
-  }
-
-  stop() {
-    clearTimeout(this.timer);
-    for (const kind of TOUCHES) document.removeEventListener(kind, this.touched, true);
-  }
 }
 
 function render({ model, el }) {
@@ -151,7 +68,7 @@ function render({ model, el }) {
     }
     pulse.answered();
     if (message.kind !== "frame") return;
-    clearInterval(asking);
+    layout.answered();
     try {
       await show(message, buffers);
     } catch (failure) {
@@ -169,33 +86,18 @@ function render({ model, el }) {
   };
   model.on("msg:custom", receive);
 
-  let known = "";
-  const layout = () => {
-    const { stage } = panels[0];
-    const [width, height] = [stage.clientWidth, stage.clientHeight];
-    if (!width || !height) return; // not on the page, or on a hidden tab
-    const ratio = Math.min(window.devicePixelRatio, 2);
-    const message = { kind: "layout", width, height, ratio, background: background(stage) };
-    if (JSON.stringify(message) === known) return;
-    known = JSON.stringify(message);
-    model.send(message);
-  };
-  // Nothing answers while the kernel starts, or is busy with a long cell.
-  const asking = setInterval(() => {
-    known = "";
-    layout();
-  }, RETRY);
-  const size = new ResizeObserver(layout);
-  size.observe(panels[0].stage);
+  const layout = new Layout(model, panels[0].stage, () => ({
+    ratio: Math.min(window.devicePixelRatio, 2),
+    background: background(panels[0].stage),
+  }));
   // Both JupyterLab and VS Code set their theme as an attribute of the body.
-  const theme = new MutationObserver(() => setTimeout(layout, 100));
+  const theme = new MutationObserver(() => setTimeout(() => layout.tell(), 100));
   theme.observe(document.body, { attributes: true });
 
   return () => {
-    clearInterval(asking);
     clearTimeout(resting);
     pulse.stop();
-    size.disconnect();
+    layout.stop();
     theme.disconnect();
     model.off("msg:custom", receive);
     for (const { picture, release } of panels) {

@@ -1,78 +1,15 @@
-// Draws triangle meshes by WebGL 2: one context for a whole page, one canvas for each panel.
-// Behind stage.js and camera.js.
+// Meshes side by side, each on a canvas of its own. Behind stage.js, camera.js and painter.js.
+//
+// What moves is drawn as coarsely as it must be to follow the hand, by the time that good pictures
+// took; when it has come to rest, well.
 
-const LINES = [0.1, 0.15, 0.25]; // the colour of edges
+const BUDGET = 12; // ms for a picture of all panels while something moves
+const COARSEST = 0.5; // pixels drawn for a pixel of the page, along each side
+const REST = 250; // ms without a change until pictures are drawn well
+const SIGHT = "200px"; // how far out of sight a panel is drawn
 
-const VERTEX = `#version 300 es
-precision highp float;
-layout(location = 0) in vec3 position;
-layout(location = 1) in vec2 value;
-layout(location = 2) in vec3 normal;
-uniform mat4 view;
-uniform vec3 lens; // half width and half height of the picture at distance 1, and the units
-uniform vec2 depths;
-out vec3 place;
-out vec3 turned;
-out vec3 corner;
-out vec2 part;
-void main() {
-  vec4 seen = view * vec4(lens.z * position, 1.0);
-  place = seen.xyz;
-  turned = mat3(view) * normal;
-  int k = gl_VertexID % 3;
-  corner = vec3(k == 0, k == 1, k == 2);
-  part = value;
-  float near = depths.x, far = depths.y;
-  gl_Position = vec4(
-    seen.xy / lens.xy, -((far + near) * seen.z + 2.0 * far * near) / (far - near), -seen.z);
-}`;
-
-// The light is that of polyscope's clay, which its pictures have: what a white and a black ball
-// look like from each direction of the normal, as polynomials of degree 2.
-const FRAGMENT = `#version 300 es
-precision highp float;
-in vec3 place;
-in vec3 turned;
-in vec3 corner;
-in vec2 part;
-uniform sampler2D colours;
-uniform vec3 plain; // of what has no value
-uniform bvec3 look; // smooth, edges, values
-out vec4 pixel;
-void main() {
-  vec3 n = look.x ? turned : cross(dFdx(place), dFdy(place));
-  n = normalize(n);
-  if (dot(n, place) > 0.0) n = -n;
-  vec3 base = plain;
-  if (look.z) base = mix(plain, texture(colours, vec2((254.0 * part.x + 0.5) / 255.0, 0.5)).rgb, part.y);
-  float lit = 0.383 + 0.251 * n.z + 0.369 * n.y + 0.032 * n.y * n.z + 0.113 * n.y * n.y - 0.173 * n.x
-    - 0.087 * n.x * n.z - 0.047 * n.x * n.y - 0.109 * n.x * n.x;
-  float shine = 0.015 + 0.014 * n.z - 0.007 * n.y + 0.061 * n.y * n.z + 0.016 * n.y * n.y
-    + 0.016 * n.x - 0.043 * n.x * n.z - 0.007 * n.x * n.y - 0.031 * n.x * n.x;
-  vec3 colour = pow(max(base * lit + shine, 0.0), vec3(1.0 / 2.2));
-  if (look.y) {
-    vec3 edge = corner / fwidth(corner);
-    colour = mix(vec3(${LINES}), colour, smoothstep(0.3, 1.1, min(min(edge.x, edge.y), edge.z)));
-  }
-  pixel = vec4(colour, 1.0);
-}`;
-
-function channels(hex) {
-  return [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16));
-}
-
-/** A colour map with 255 entries, from its stops. */
-function ramp(stops) {
-  const colours = stops.map(channels);
-  const texels = new Uint8Array(255 * 4).fill(255);
-  for (let k = 0; k < 255; k++) {
-    const at = (k / 254) * (stops.length - 1);
-    const low = Math.min(Math.floor(at), stops.length - 2);
-    const share = at - low;
-    colours[low].forEach((c, i) => (texels[4 * k + i] = c + share * (colours[low + 1][i] - c)));
-  }
-  return texels;
-}
+/** How many pixels a good picture has for one of the page, along each side. */
+const finest = () => Math.max(2, 1.5 * Math.min(window.devicePixelRatio, 2));
 
 /** The entries of each face's three corners, one after the other. */
 function spread(entries, F, width, made) {
@@ -100,46 +37,31 @@ function vertexNormals(V, F) {
   return made;
 }
 
-/** The one WebGL context of a page: browsers have few, and a notebook many meshes. */
-class Painter {
-  constructor() {
-    this.canvas = document.createElement("canvas");
-    this.canvas.width = this.canvas.height = 1;
-    this.canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
-    this.canvas.addEventListener("webglcontextrestored", () => this.begin());
-    const options = { antialias: true, alpha: true, preserveDrawingBuffer: false };
-    this.gl = this.canvas.getContext("webgl2", options);
-    if (!this.gl) throw new Error("This browser has no WebGL 2.");
-    this.age = 0; // how often the context was made: what an older one held is gone
-    this.begin();
-  }
-
-  static get one() {
-    Painter.made ??= new Painter();
-    return Painter.made;
-  }
-
-  begin() {
-    const { gl } = this;
-    const program = gl.createProgram();
-    for (const [kind, text] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
-      const shader = gl.createShader(kind);
-      gl.shaderSource(shader, text);
-      gl.compileShader(shader);
-      gl.attachShader(program, shader);
-    }
-    gl.linkProgram(program);
-    if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
-      throw new Error(`WebGL: ${gl.getProgramInfoLog(program)}`);
-    }
-    gl.useProgram(program);
-    gl.enable(gl.DEPTH_TEST);
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-    const names = ["view", "lens", "depths", "plain", "look"];
-    this.at = Object.fromEntries(names.map((name) => [name, gl.getUniformLocation(program, name)]));
-    this.age += 1;
-  }
+/** Four entries a vertex of three: WebGL likes each on a border of four bytes. */
+function padded(V) {
+  const made = new V.constructor((V.length / 3) * 4);
+  for (let k = 0, to = 0; k < V.length; to++) for (let i = 0; i < 3; i++) made[to++] = V[k++];
+  return made;
 }
+
+/** The largest size of some numbers. */
+function largest(numbers) {
+  let size = 0;
+  for (const x of numbers) size = Math.max(size, x, -x);
+  return size;
+}
+
+/** Places on the scale as WebGL takes them, from 0 to 1, and whether there is one. */
+function valuePairs(parts) {
+  const made = new Uint8Array(2 * parts.length);
+  for (const [k, part] of parts.entries()) {
+    made[2 * k] = part === 255 ? 0 : Math.round((part * 255) / 254);
+    made[2 * k + 1] = part === 255 ? 0 : 255;
+  }
+  return made;
+}
+
+const same = (one, other, ...names) => names.every((name) => String(one[name]) === String(other[name]));
 
 /** One panel's mesh, and the canvas that shows it. */
 class MeshCanvas {
@@ -147,7 +69,10 @@ class MeshCanvas {
     this.stage = stage;
     this.canvas = element("canvas", "", stage);
     this.mesh = null;
+    this.buffers = {};
     this.age = 0;
+    this.stale = { faces: true, positions: true, values: true, colours: true };
+    this.density = 0; // pixels drawn for one of the page, in what is shown now
     this.stage.dataset.frame = 0;
   }
 
@@ -159,69 +84,63 @@ class MeshCanvas {
    */
   show(mesh) {
     const old = this.mesh;
+    const { V, F, parts, edges } = mesh;
+    mesh.onFaces = Boolean(parts && 3 * parts.length === F.length && 3 * parts.length !== V.length);
+    // Corners that share a vertex are told apart where each face has a value or lines of its own.
+    mesh.apart = mesh.onFaces || edges;
+    const faces = !old || old.F !== F || old.apart !== mesh.apart;
+    const { stale } = this;
+    stale.faces ||= faces;
+    stale.positions ||= faces || old.V !== V || old.smooth !== mesh.smooth;
+    stale.values ||= faces || old.parts !== parts;
+    stale.colours ||= faces || !same(old, mesh, "stops");
     this.mesh = mesh;
-    this.stale = {
-      positions: this.stale?.positions || !old || old.V !== mesh.V || old.F !== mesh.F,
-      values: this.stale?.values || !old || old.parts !== mesh.parts || old.F !== mesh.F,
-      colours: this.stale?.colours || !old || String(old.stops) !== String(mesh.stops),
-    };
-    const look = ({ smooth, edges, color, units }) => String([smooth, edges, color, units]);
-    this.changed ||= Object.values(this.stale).some(Boolean) || look(old) !== look(mesh);
+    this.changed ||= Object.values(stale).some(Boolean) || !same(old, mesh, "color", "units", "edges");
   }
 
-  fill(name, location, width, kind, normalised, entries) {
+  /** Fill a buffer: that of faces, or of an attribute at a location of the program. */
+  fill(name, entries, location, width, kind, normalised) {
     const { gl } = Painter.one;
-    this[name] ??= gl.createBuffer();
-    gl.bindBuffer(gl.ARRAY_BUFFER, this[name]);
-    gl.bufferData(gl.ARRAY_BUFFER, entries, gl.DYNAMIC_DRAW);
+    const target = location === undefined ? gl.ELEMENT_ARRAY_BUFFER : gl.ARRAY_BUFFER;
+    const old = this.buffers[name];
+    const { buffer, size } = old ?? { buffer: gl.createBuffer(), size: -1 };
+    gl.bindBuffer(target, buffer);
+    if (size === entries.byteLength) gl.bufferSubData(target, 0, entries);
+    else gl.bufferData(target, entries, gl.DYNAMIC_DRAW);
+    this.buffers[name] = { buffer, size: entries.byteLength };
+    if (location === undefined) return;
     gl.enableVertexAttribArray(location);
     gl.vertexAttribPointer(location, width, kind, normalised, 0, 0);
   }
 
   upload() {
     const { gl, age } = Painter.one;
+    const { stale } = this;
     if (this.age !== age) {
-      this.places = this.values = this.normals = this.colours = null;
+      this.buffers = {};
+      this.colours = null;
       this.vertices = gl.createVertexArray();
-      this.stale = { positions: true, values: true, colours: true };
+      for (const name in stale) stale[name] = true;
       this.age = age;
     }
     gl.bindVertexArray(this.vertices);
-    if (!this.stale) return;
-    const { V, F, parts, smooth, stops } = this.mesh;
-    if (this.stale.positions) {
-      const whole = V instanceof Int16Array;
-      // Four shorts a corner: WebGL wants each on a border of four bytes.
-      const kind = whole ? gl.SHORT : gl.FLOAT;
-      const made = whole ? new Int16Array(4 * F.length) : new Float32Array(4 * F.length);
-      let size = 0;
-      for (let k = 0; k < F.length; k++) {
-        for (let i = 0; i < 3; i++) {
-          const x = V[3 * F[k] + i];
-          made[4 * k + i] = x;
-          if (x > size) size = x;
-          else if (-x > size) size = -x;
-        }
-      }
-      this.size = Math.sqrt(3) * size; // no corner is farther from the origin
-      this.fill("places", 0, 4, kind, false, made);
-      if (smooth) {
-        const normals = spread(vertexNormals(V, F), F, 3, new Int8Array(3 * F.length));
-        this.fill("normals", 2, 3, gl.BYTE, true, normals);
-      }
+    const { V, F, parts, smooth, stops, apart, onFaces } = this.mesh;
+    const corners = (entries, width) =>
+      apart ? spread(entries, F, width, new entries.constructor(width * F.length)) : entries;
+    if (stale.faces && !apart) this.fill("faces", F);
+    if (stale.positions) {
+      this.size = Math.sqrt(3) * largest(V); // no corner is farther from the origin
+      const kind = V instanceof Int16Array ? gl.SHORT : gl.FLOAT;
+      this.fill("positions", corners(padded(V), 4), 0, 4, kind, false);
+      if (smooth) this.fill("normals", corners(vertexNormals(V, F), 3), 2, 3, gl.BYTE, true);
+      else gl.disableVertexAttribArray(2);
     }
     if (!parts) gl.disableVertexAttribArray(1); // what is left there may be of fewer corners
-    else if (this.stale.values) {
-      const onFaces = 3 * parts.length === F.length && 3 * parts.length !== V.length;
-      const made = new Uint8Array(2 * F.length);
-      for (let k = 0; k < F.length; k++) {
-        const part = parts[onFaces ? (k / 3) | 0 : F[k]];
-        made[2 * k] = part === 255 ? 0 : Math.round((part * 255) / 254);
-        made[2 * k + 1] = part === 255 ? 0 : 255;
-      }
-      this.fill("values", 1, 2, gl.UNSIGNED_BYTE, true, made);
+    else if (stale.values) {
+      const each = onFaces ? Uint8Array.from(F, (_, k) => parts[(k / 3) | 0]) : corners(parts, 1);
+      this.fill("values", valuePairs(each), 1, 2, gl.UNSIGNED_BYTE, true);
     }
-    if (this.stale.colours && stops) {
+    if (stale.colours && stops) {
       this.colours ??= gl.createTexture();
       gl.bindTexture(gl.TEXTURE_2D, this.colours);
       gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 255, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, ramp(stops));
@@ -234,50 +153,73 @@ class MeshCanvas {
         gl.texParameteri(gl.TEXTURE_2D, name, value);
       }
     }
-    this.stale = null;
+    for (const name in stale) stale[name] = false;
   }
 
-  draw(camera) {
-    const { canvas, stage, mesh } = this;
+  /** Whether what is shown is not what there is to be seen, or only at a lower density. */
+  lacks(camera, density) {
+    const { stage, mesh, seen, canvas } = this;
+    if (!mesh || !seen || Painter.one.gl.isContextLost()) return false;
+    const shape = `${stage.clientWidth}/${stage.clientHeight}`;
+    if (!stage.clientWidth || !stage.clientHeight) return false;
+    const current = !this.changed && this.camera === camera && this.age === Painter.one.age;
+    return !current || this.shape !== shape || this.density < density;
+  }
+
+  draw(camera, density) {
+    const { stage, mesh } = this;
     const painter = Painter.one;
-    const { gl, at } = painter;
-    const ratio = Math.min(window.devicePixelRatio, 2);
-    const width = Math.round(stage.clientWidth * ratio);
-    const height = Math.round(stage.clientHeight * ratio);
-    if (!mesh || !width || !height || gl.isContextLost()) return;
-    const sized = canvas.width === width && canvas.height === height;
-    if (sized && !this.changed && this.camera === camera && this.age === painter.age) return;
-    this.changed = false;
-    this.camera = camera;
-    if (canvas.width !== width) canvas.width = width;
-    if (canvas.height !== height) canvas.height = height;
-    if (painter.canvas.width < width) painter.canvas.width = width;
-    if (painter.canvas.height < height) painter.canvas.height = height;
+    const width = Math.round(stage.clientWidth * density);
+    const height = Math.round(stage.clientHeight * density);
+    const well = density === finest();
+    const defined = { SMOOTH: mesh.smooth, EDGES: mesh.edges, VALUES: mesh.parts && mesh.stops };
+    const way = Object.keys(defined).filter((name) => defined[name]);
+    const cold = !painter.programs.has(way.join());
+    const at = painter.program(way);
     this.upload();
-    gl.viewport(0, 0, width, height);
-    gl.clearColor(0, 0, 0, 0);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    const paint = () => {
+      painter.clear(width, height);
+      this.paint(at, camera, width / height);
+    };
+    if (well && cold) paint(); // what is made on the way is not on the clock
+    if (well) painter.finish();
+    const began = performance.now();
+    paint();
+    if (well) {
+      painter.finish();
+      this.cost = performance.now() - began;
+    }
+    this.context ??= this.canvas.getContext("bitmaprenderer");
+    this.context.transferFromImageBitmap(painter.canvas.transferToImageBitmap());
+    this.changed = false;
+    Object.assign(this, { camera, density, shape: `${stage.clientWidth}/${stage.clientHeight}` });
+    stage.dataset.draft = !well;
+    stage.dataset.frame = Number(stage.dataset.frame) + 1;
+  }
+
+  paint(at, camera, shape) {
+    const { mesh } = this;
+    const { gl } = Painter.one;
     const size = this.size * mesh.units;
     const away = Math.hypot(...camera.position);
     const far = away + size;
     gl.uniformMatrix4fv(at.view, false, camera.matrix);
-    gl.uniform3f(at.lens, (LENS * width) / height, LENS, mesh.units);
+    gl.uniform3f(at.lens, LENS * shape, LENS, mesh.units);
     gl.uniform2f(at.depths, Math.max(away - size, far / 1000), far);
     gl.uniform3fv(at.plain, mesh.color);
-    gl.uniform3i(at.look, mesh.smooth, mesh.edges, Boolean(mesh.parts && mesh.stops));
     gl.bindTexture(gl.TEXTURE_2D, this.colours ?? null);
-    gl.drawArrays(gl.TRIANGLES, 0, mesh.F.length);
-    const picture = canvas.getContext("2d");
-    picture.clearRect(0, 0, width, height);
-    const top = painter.canvas.height - height;
-    picture.drawImage(painter.canvas, 0, top, width, height, 0, 0, width, height);
-    stage.dataset.frame = Number(stage.dataset.frame) + 1;
+    const { length } = mesh.F;
+    if (mesh.apart) gl.drawArrays(gl.TRIANGLES, 0, length);
+    else {
+      const kind = mesh.F instanceof Uint16Array ? gl.UNSIGNED_SHORT : gl.UNSIGNED_INT;
+      gl.drawElements(gl.TRIANGLES, length, kind, 0);
+    }
   }
 
   release() {
     const { gl, age } = Painter.one;
     if (this.age !== age) return;
-    for (const buffer of [this.places, this.values, this.normals]) gl.deleteBuffer(buffer ?? null);
+    for (const { buffer } of Object.values(this.buffers)) gl.deleteBuffer(buffer);
     gl.deleteTexture(this.colours ?? null);
     gl.deleteVertexArray(this.vertices);
   }
@@ -287,22 +229,34 @@ class MeshCanvas {
 class MeshView {
   constructor(el, count, { click = () => {}, moved = () => {}, reset = () => this.reset() } = {}) {
     Painter.one; // says here that there is no WebGL
-    const { panels, button, bar } = frameOf(el, count);
-    Object.assign(this, { panels, bar, moved });
+    const { panels, button, bar, error } = frameOf(el, count);
+    Object.assign(this, { panels, bar, error, moved });
     this.cameras = null; // the first one, by the shape of the panels
     this.camera = null;
     this.up = [0, 0, 1];
     this.planned = 0;
-    for (const [k, panel] of panels.entries()) {
-      panel.picture = new MeshCanvas(panel.stage);
-      panel.release = control(panel.stage, this, reset, (x, y) => click(k, x, y));
-    }
-    button.addEventListener("click", reset);
+    this.resting = 0;
+    this.sight = new IntersectionObserver(
+      (entries) => {
+        for (const { target, isIntersecting } of entries) {
+          const { picture } = panels.find(({ stage }) => stage === target);
+          picture.seen = isIntersecting;
+        }
+        this.plan();
+      },
+      { rootMargin: SIGHT },
+    );
     this.resized = new ResizeObserver(() => {
       if (this.home && !this.touched) this.camera = this.home;
       this.plan();
     });
-    for (const { stage } of panels) this.resized.observe(stage);
+    for (const [k, panel] of panels.entries()) {
+      panel.picture = new MeshCanvas(panel.stage);
+      panel.release = control(panel.stage, this, reset, (x, y) => click(k, x, y));
+      this.resized.observe(panel.stage);
+      this.sight.observe(panel.stage);
+    }
+    button.addEventListener("click", reset);
     this.painted = () => this.plan();
     Painter.one.canvas.addEventListener("webglcontextrestored", this.painted);
   }
@@ -327,11 +281,18 @@ class MeshView {
     this.plan();
   }
 
-  add({ yaw = 0, pitch = 0, pan = [0, 0], zoom = 1 }) {
+  /** Look from somewhere: nine numbers, and what stays upright. */
+  look(numbers, up) {
+    Object.assign(this, { camera: Camera.of(numbers), up });
+    this.plan();
+  }
+
+  add(move) {
     if (!this.camera) return;
+    const { yaw = 0, pitch = 0, pan = [0, 0], zoom = 1 } = move;
     this.touched = true;
     this.camera = this.camera.orbit(yaw, pitch, this.up).pan(...pan).zoom(zoom);
-    this.moved(this.camera);
+    this.moved(move);
     this.plan();
   }
 
@@ -348,18 +309,49 @@ class MeshView {
     this.plan();
   }
 
+  /** Draw in the next animation frame, or in the first one for which the last are ready. */
   plan() {
     this.planned ||= requestAnimationFrame(() => {
       this.planned = 0;
-      this.camera ??= this.home;
-      if (!this.camera) return;
-      for (const { picture } of this.panels) picture.draw(this.camera);
+      // A queue of pictures would be shown long after the moves.
+      if (Painter.one.busy) this.plan();
+      else this.draw();
+    });
+  }
+
+  /** The pictures that lack something, at some density. */
+  lacking(density) {
+    return this.panels.map(({ picture }) => picture).filter((p) => p.lacks(this.camera, density));
+  }
+
+  draw() {
+    this.camera ??= this.home;
+    if (!this.camera) return;
+    const pictures = this.lacking(0);
+    const cost = pictures.reduce((sum, picture) => sum + (picture.cost ?? 0), 0);
+    const density = Math.max(COARSEST, finest() * Math.min(1, Math.sqrt(BUDGET / cost)));
+    // Nothing has moved yet where there is no picture.
+    for (const picture of pictures) picture.draw(this.camera, picture.cost ? density : finest());
+    if (pictures.length) Painter.one.begun();
+    clearTimeout(this.resting);
+    if (this.lacking(finest()).length) this.resting = setTimeout(() => this.improve(), REST);
+  }
+
+  /** Draw one picture after the other well: moves come between. */
+  improve() {
+    this.planned ||= requestAnimationFrame(() => {
+      this.planned = 0;
+      const [first, ...others] = this.lacking(finest());
+      first?.draw(this.camera, finest());
+      if (others.length) this.resting = setTimeout(() => this.improve(), 0);
     });
   }
 
   release() {
     cancelAnimationFrame(this.planned);
+    clearTimeout(this.resting);
     this.resized.disconnect();
+    this.sight.disconnect();
     Painter.one.canvas.removeEventListener("webglcontextrestored", this.painted);
     for (const { picture, release } of this.panels) {
       release();

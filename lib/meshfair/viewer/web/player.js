@@ -2,7 +2,7 @@
 //
 // Behind stage.js, camera.js, meshes.js, and the plots of curves.js and cotangents.js.
 // What is packed is a header of JSON (recording.py, packing.py) and arrays of whole numbers:
-//   arrays    [bytes per entry, entries, stride, base] of each
+//   arrays    [kind of numbers, entries, stride, similar arrays, their factors] of each
 //   things    texts, curves, cameras: whatever states name by its number
 //   states    at (positions of the controls), panels, bar, cameras, plots, note, below
 //   controls  label, tooltip, kind (range, menu, box), texts of its positions, whether a box is
@@ -19,19 +19,26 @@ async function unpacked(text) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/** All arrays: sums of what is stored and of a similar array, or of the entries before. */
+/** All arrays: what is stored, and what was expected: the entries before, or a sum of others. */
 function arraysOf(facts, bytes) {
-  const kinds = { 1: Uint8Array, 2: Uint16Array, 4: Uint32Array };
+  const kinds = { i2: Int16Array, u1: Uint8Array, u2: Uint16Array, u4: Uint32Array };
   const made = [];
   let from = 0;
-  for (const [width, length, stride, base] of facts) {
-    const entries = new kinds[width](length);
-    for (let byte = 0; byte < width; byte++) {
-      for (let k = 0; k < length; k++) entries[k] |= bytes[from + byte * length + k] << (8 * byte);
+  for (const [kind, length, stride, bases, factors] of facts) {
+    const entries = new kinds[kind](length);
+    const width = entries.BYTES_PER_ELEMENT;
+    for (let k = 0; k < length; k++) {
+      let folded = 0;
+      for (let byte = 0; byte < width; byte++) folded |= bytes[from + byte * length + k] << (8 * byte);
+      let expected = k < stride ? 0 : entries[k - stride];
+      if (bases.length) {
+        expected = 0.5;
+        for (let i = 0; i < bases.length; i++) expected += factors[i] * made[bases[i]][k];
+        expected = Math.floor(expected);
+      }
+      entries[k] = expected + ((folded >>> 1) ^ -(folded & 1));
     }
     from += width * length;
-    if (base < 0) for (let k = stride; k < length; k++) entries[k] += entries[k - stride];
-    else for (let k = 0; k < length; k++) entries[k] += made[base][k];
     made.push(entries);
   }
   return made;
@@ -92,7 +99,6 @@ class Player {
     this.el = el;
     this.header = header;
     this.arrays = arraysOf(header.arrays, bytes);
-    this.whole = new Map(); // positions by their number: bytes with and without a sign
     const { states, controls = [] } = header;
     const thing = (number) => header.things[number];
     this.thing = thing;
@@ -231,17 +237,12 @@ class Player {
     if (this.button) this.button.textContent = "\u25b6";
   }
 
-  positions(number) {
-    if (!this.whole.has(number)) this.whole.set(number, new Int16Array(this.arrays[number].buffer));
-    return this.whole.get(number);
-  }
-
   show(state) {
     this.state = state;
     const { view, thing } = this;
     state.panels.forEach(([V, F, values, look, title], k) => {
       const parts = values < 0 ? null : this.arrays[values];
-      view.show(k, { ...thing(look), V: this.positions(V), F: this.arrays[F], parts }, thing(title));
+      view.show(k, { ...thing(look), V: this.arrays[V], F: this.arrays[F], parts }, thing(title));
     });
     view.bar.show(thing(state.bar));
     if (this.aimed !== state.cameras) view.aim(thing(state.cameras), this.header.up);
