@@ -193,6 +193,7 @@ class MeshCanvas {
     this.context.transferFromImageBitmap(painter.canvas.transferToImageBitmap());
     this.changed = false;
     Object.assign(this, { camera, density, shape: `${stage.clientWidth}/${stage.clientHeight}` });
+    this.drawn = performance.now();
     stage.dataset.draft = !well;
     stage.dataset.frame = Number(stage.dataset.frame) + 1;
   }
@@ -327,14 +328,25 @@ class MeshView {
   draw() {
     this.camera ??= this.home;
     if (!this.camera) return;
-    const pictures = this.lacking(0);
-    const cost = pictures.reduce((sum, picture) => sum + (picture.cost ?? 0), 0);
+    const lacking = this.lacking(0);
+    const cost = this.panels.reduce((sum, { picture }) => sum + (picture.cost ?? 0), 0);
     const density = Math.max(COARSEST, finest() * Math.min(1, Math.sqrt(BUDGET / cost)));
+    // Too many for one frame come one after the other.
+    const pictures = cost && density < 1 ? [this.first(lacking)] : lacking;
     // Nothing has moved yet where there is no picture.
     for (const picture of pictures) picture.draw(this.camera, picture.cost ? density : finest());
+    this.latest = pictures.at(-1);
     if (pictures.length) Painter.one.begun();
+    if (pictures.length < lacking.length) this.plan();
     clearTimeout(this.resting);
     if (this.lacking(finest()).length) this.resting = setTimeout(() => this.improve(), REST);
+  }
+
+  /** The picture at hand, and between two of it the others in turn. */
+  first(pictures) {
+    const atHand = pictures.find((picture) => picture.stage === document.activeElement);
+    if (atHand && atHand !== this.latest) return atHand;
+    return pictures.reduce((one, other) => (other.drawn < one.drawn ? other : one));
   }
 
   /** Draw one picture after the other well: moves come between. */
