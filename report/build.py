@@ -45,7 +45,7 @@ def main() -> None:
     for name, make in tables.TABLES.items():
         data[name] = step(f"experiment {name}", run_or_read, name, make, options.draws)
     data = {name: table for name, table in data.items() if table is not None}
-    for path in (HERE / "results").glob("*.csv"):  # what `make bench` measured
+    for path in (HERE / "results").glob("*.csv"):  # of `make bench`, `make grid`, `make train`
         data[path.stem] = pd.read_csv(path)
     (BUILD / "figures").mkdir(parents=True, exist_ok=True)
     for name, draw in figures.FIGURES.items():

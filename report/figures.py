@@ -12,7 +12,7 @@ import pandas as pd
 from grid_results import regret_figure
 from meshfair import filters, plotting
 from meshfair.experiments import noisy_pair
-from meshfair.plotting import OTHER_COLORS, WEIGHT_COLORS, WEIGHT_MARKS
+from meshfair.plotting import OTHER_COLORS, WEIGHT_COLORS, WEIGHT_MARKS, shades
 from meshfair.sure import SURE, true_risk
 from numbers_of_learning import cells
 from pictures import PICTURES
@@ -208,10 +208,9 @@ def learned(folder: Path, data: Tables) -> None:
     with plotting.figure(folder / "learned-cells.svg", (6.3, 3.0), columns=2, sharex=True) as both:
         for axes, level in zip(both, ("noise", "shape"), strict=True):
             names = list(ratios[level].unique())
-            for k, size in enumerate(sizes):
+            for k, (size, shade) in enumerate(zip(sizes, shades(len(sizes)), strict=True)):
                 rows = ratios[ratios["size"] == size]
                 y = rows[level].map(names.index) + 0.18 * (k - (len(sizes) - 1) / 2)
-                shade = f"{0.7 - 0.7 * k / (len(sizes) - 1):.2f}"  # a grey
                 axes.plot(rows["ratio"], y, ".", color=shade, ms=5, label=f"{size:g} edges")
             axes.axvline(1, color="0.3", lw=0.8)
             axes.set(xscale="log", yticks=range(len(names)), yticklabels=names)

@@ -12,13 +12,14 @@ from meshfair import plotting
 from meshfair.experiments import regrets, summary
 from meshfair.experiments.choices import KINDS, SIZES
 from meshfair.experiments.draws import STOPPED
-from meshfair.plotting import OTHER_COLORS
+from meshfair.experiments.regret import NOISY, OWN
+from meshfair.plotting import OTHER_COLORS, shades
 
 Tables = dict[str, pd.DataFrame]
 
 RESULTS = Path(__file__).resolve().parent / "results"
-OWN = "own choice"
 SHOWN = (OWN, "learned", "feature-convinced")
+TICKS = (1, 2, 5, 10, 20, 50, 100)  # of regret
 NEAR = 1.05  # of the best default's error: near enough
 HARM = 1.01  # of the noisy mesh's angle: worse than to do nothing
 
@@ -29,7 +30,7 @@ def regret(**_: object) -> pd.DataFrame:
     One that has not run in every cell is left out.
     """
     found = regrets(pd.read_csv(RESULTS / "choices.csv"))
-    found = found[found["contender"] != "noisy mesh"]
+    found = found[found["contender"] != NOISY]
     whole = summary(found).set_index("contender")
     whole = whole.loc[whole["cells"] == whole["cells"].max(), ["median", "worst"]]
     for column, values in (("kind", KINDS), ("size", SIZES)):
@@ -52,13 +53,16 @@ def regret_figure(folder: Path, data: Tables) -> None:
         left.set(xlabel="cells, in per cent", ylabel="regret")
         left.legend(ncols=2, loc="lower center", bbox_to_anchor=(0.5, 1))
         own = found[found["contender"] == OWN]
-        for k, (size, colour) in enumerate(zip(SIZES, OTHER_COLORS, strict=False)):
+        for k, (size, colour) in enumerate(zip(SIZES, shades(len(SIZES)), strict=True)):
             rows = own[own["size"] == size].groupby("kind")["regret"]
             x = np.arange(len(KINDS)) + 0.17 * (k - 1.5)
             low, middle, high = (rows.quantile(q).reindex(list(KINDS)) for q in (0, 0.5, 1))
             right.vlines(x, low, high, color=colour, lw=1)
             right.plot(x, middle, "o", ms=4.5, color=colour, label=f"{size:g}")
         right.axhline(1, color="0.3", lw=0.8, ls="--")
+        ticks = [tick for tick in TICKS if tick <= left.get_ylim()[1]]
+        left.set_yticks(ticks, labels=map(str, ticks))
+        left.minorticks_off()
         right.set(xticks=range(len(KINDS)))
         right.set_xticklabels(list(KINDS), rotation=25, ha="right", rotation_mode="anchor")
         right.legend(title="noise size", ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1))
@@ -82,7 +86,7 @@ def numbers(data: Tables) -> dict[str, str]:
 def _grid(table: pd.DataFrame) -> dict[str, str]:
     found = regrets(table)
     whole = summary(found).set_index("contender")
-    single = whole.drop(index=[OWN, "noisy mesh"])
+    single = whole.drop(index=[OWN, NOISY])
     single = single[single["cells"] == single["cells"].max()]
     own = found[found["contender"] == OWN]
     worst = own.loc[own["regret"].idxmax()]

@@ -24,8 +24,8 @@ def numbers(data: Tables) -> dict[str, str | bool]:
     Parameters
     ----------
     data : dict of str to pandas.DataFrame
-        The experiments' tables by name, some of which may be missing, and what
-        ``make bench`` measured: bench, scaling, machine.
+        The experiments' tables by name, some of which may be missing, and those of
+        ``report/results``, which ``make bench``, ``make grid`` and ``make train`` have written.
 
     Returns
     -------

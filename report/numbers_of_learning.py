@@ -5,11 +5,12 @@ import re
 import numpy as np
 import pandas as pd
 
+from meshfair.experiments import PAIRS
 from meshfair.filters.learned import record, trained
 from tables import QUALITY_NOISE
 
 Tables = dict[str, pd.DataFrame]
-Texts = dict[str, str | bool]
+Texts = dict[str, str]
 
 CELL = ["shape", "noise", "size"]
 LOSS = 0.1  # decibels below the noisy mesh from which on a cell counts as lost
@@ -112,13 +113,9 @@ def _elsewhere(data: Tables) -> Texts:
     table = data["quality"]
     table = table[table["parameters"] == "default"]
     angle = table.pivot(index="mesh", columns="method", values="normal_angle")
-    texts: Texts = {"has-learned": "learned" in angle}
-    pairs = {"fandisk", "bunny pair"} <= set(angle.index)
-    texts["has-learned-pairs"] = bool(texts["has-learned"]) and pairs
-    if texts["has-learned"]:
-        jet = table[table["mesh"] == "jet"].set_index("method")["missile_error"]
-        texts["learned-missiles"] = f"{jet['learned']:.3f}"
-    if texts["has-learned-pairs"]:
+    jet = table[table["mesh"] == "jet"].set_index("method")["missile_error"]
+    texts: Texts = {"learned-missiles": f"{jet['learned']:.3f}"}
+    if PAIRS.keys() <= set(angle.index):
         others = angle.drop(columns=["none", "learned"])
         for mesh, key in (("fandisk", "fandisk"), ("bunny pair", "pair")):
             texts[f"learned-{key}"] = f"{angle.loc[mesh, 'learned']:.2f}"

@@ -15,7 +15,8 @@ settings.load_profile("meshfair")
 # What `make check` leaves out: what starts browsers, kernels, builds and other processes, or reads
 # thousands of files. So do tests on real meshes. The rest are the numerical tests.
 SLOW = {
-    "test_assignments", "test_benchmarks", "test_browser", "test_browser_explorers", "test_cli",
+    "test_assignments", "test_benchmarks", "test_browser", "test_browser_explorers",
+    "test_browser_saved", "test_cli",
     "test_cli_view", "test_cluster", "test_fairness", "test_grading", "test_install", "test_io",
     "test_notebooks", "test_pages",
     "test_report", "test_site", "test_submissions", "test_sweep", "test_walls",

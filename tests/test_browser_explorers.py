@@ -32,6 +32,7 @@ EXPLORERS = {
     "heat": "explorers.HeatExplorer(V, F, iterations=8)",
     "comparison": "explorers.ComparisonExplorer(V, F, iterations=8)",
     "stability": "explorers.StabilityExplorer(V, F)",
+    "iterations": "explorers.IterationExplorer([V_noisy, V], F, ground_truth=V)",
     "jet": "explorers.JetExplorer(detail=0.5, iterations=10)",
     "own-mesh": "explorers.DenoisingExplorer(V_noisy, F, iterations=8)",
     "filters": "explorers.FilterExplorer(meshes)",

@@ -10,7 +10,7 @@ import papers
 from fast import both
 from meshes import fan, grid, pair
 from meshfair import MeshError, denoising, filters, mesh, metrics, noise, operators, shapes, weights
-from meshfair.filters import creases, normal_filtering
+from meshfair.filters import creases, neighbourhoods, normal_filtering
 from meshfair.filters.bilateral import shortest_edges
 from meshfair.filters.diffusion import volume_keeper
 from meshfair.filters.feature_convinced import effort_for, fill_in, noise_by_lengths
@@ -539,6 +539,7 @@ REFUSED = [
     ("regularised", "lam", -0.1),
     ("bilateral", "iterations", -1),
     ("bilateral", "radius", 0),
+    ("bilateral", "radius", 2_000_000),
     ("sun", "threshold", 1.01),
     ("sun", "threshold", -1.01),
     ("sun", "normal_iterations", -1),
@@ -550,6 +551,7 @@ REFUSED = [
     ("guided_normal", "sigma_normal", 0),
     ("guided_normal", "sigma_space", 0),
     ("guided_normal", "radius", 0),
+    ("guided_normal", "radius", 2_000_000),
     ("guided_normal", "iterations", -1),
     ("guided_normal", "vertex_iterations", 0),
     ("feature_convinced", "noise", -0.1),
@@ -600,6 +602,41 @@ def test_parameters_at_the_end_of_their_range(name, parameters, stays):
     found = result(ALL[name], V, F, **parameters)
     assert np.isfinite(found).all()
     assert np.allclose(found, V, rtol=0, atol=1e-9) == stays
+
+
+@pytest.mark.parametrize("name", ["bilateral", "guided_normal"])
+def test_a_radius_with_more_neighbours_than_memory_holds_is_refused(name, monkeypatch):
+    V, F = noisy_box()
+    monkeypatch.setattr(neighbourhoods, "MOST_PAIRS", 500)  # of 26 squared, or 48 squared
+    assert result(ALL[name], V, F, iterations=1, radius=1).shape == V.shape
+    with pytest.raises(ValueError, match=r"^radius is 1000, within which (26 of 26|48 of 48) are"):
+        list(ALL[name](V, F, radius=1000))
+
+
+@pytest.mark.parametrize("name", ["sigma_normal", "sigma_space"])
+@pytest.mark.parametrize("filter", ["bilateral_normal", "guided_normal"])
+def test_kernels_at_the_ends_of_all_numbers(filter, name):
+    V, F = noisy_box()
+    wide, without_end = (result(ALL[filter], V, F, **{name: x}) for x in (1e9, 1e300))
+    # At 1e9, the exponent of the kernel is below 1e-17, and exp of it is 1.
+    np.testing.assert_array_equal(without_end, wide)
+    narrow, point = (result(ALL[filter], V, F, **{name: x}) for x in (1e-9, 1e-300))
+    # No two of the noisy box's normals, or centroids, are as near as 1e-7, so that all of
+    # their weights are exp of less than -1000, which is 0.
+    np.testing.assert_array_equal(point, narrow)
+
+
+def test_a_kernel_by_hand_at_the_ends_of_all_numbers():
+    x = np.array([0.0, 1e-320, 1.0, 4.0, 1e300])
+    for sigma, expected in ((1e300, [1, 1, 1, 1, 1]), (1e-300, [1, 1, 0, 0, 0])):
+        np.testing.assert_allclose(normal_filtering.gaussian(x, sigma), expected, atol=1e-11)
+    np.testing.assert_array_equal(normal_filtering.gaussian(x[2:], 0.0), 0)
+
+
+def test_taubin_that_explodes_is_stopped():
+    for mu, iterations in ((-2, 2000), (-1e300, 1)):
+        with pytest.raises(MeshError, match=r"outgrown all numbers in iteration .* closer to -lam"):
+            list(filters.taubin(*noisy_box(), lam=1, mu=mu, iterations=iterations))
 
 
 @pytest.mark.parametrize(

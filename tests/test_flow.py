@@ -324,6 +324,14 @@ def test_a_backward_flow_has_as_many_steps_and_undoes_the_forward_one():
     np.testing.assert_allclose(states[1], 1.25 * V - 0.25 * (A @ V), atol=1e-14)
 
 
+@pytest.mark.parametrize("tau", [1e-10, -1e-10, 1e-160, 5e-324])
+def test_more_steps_than_anyone_waits_for_are_refused(tau):
+    V, _, A = torus_and_average()
+    for call in (flow.heat, lambda *args: flow.snr_curve(V, *args)):
+        with pytest.raises(ValueError, match=rf"^time is 1, which .* of tau = {tau:g}, more than"):
+            call(V, A, tau, 1)
+
+
 @pytest.mark.filterwarnings("ignore::meshfair.StabilityWarning")
 def test_one_vertex_that_outgrows_all_numbers_is_enough():
     V = np.eye(3)

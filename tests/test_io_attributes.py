@@ -2,6 +2,7 @@
 
 import gzip
 import io as streams
+import re
 import warnings
 
 import numpy as np
@@ -70,6 +71,47 @@ f 1/1/1 3/4/1 -1/-1/-1
 l 1 2 3
 v 9 9 9 0 0 0
 # the end"""
+
+
+@pytest.mark.parametrize(
+    ("name", "line", "others"),
+    [
+        ("a.obj", "mtllib skin.mtl", ["skin.mtl"]),
+        ("a.obj.gz", "mtllib\tskin.mtl", ["skin.mtl"]),
+        ("a.obj", "  mtllib my skin.mtl", ["my skin.mtl"]),
+        ("a.obj", "mtllib one.mtl two.mtl", ["one.mtl", "two.mtl"]),
+        ("a.ply", "comment TextureFile skin.png", ["skin.png"]),
+        ("a.obj", "# mtllib skin.mtl", []),
+        ("a.obj", "mtllib gone.mtl " + 300 * "long", []),
+        ("a.ply", "comment made of skin.png", []),
+    ],
+)
+def test_files_that_are_named_and_left_behind_are_told(tmp_path, name, line, others):
+    head, rest = (mesh_files.SOUND[name[2:5]]).split(b"\n", 1)
+    if name[2:5] == "ply":
+        form, rest = rest.split(b"\n", 1)
+        head += b"\n" + form
+    data = head + b"\n" + line.encode() + b"\n" + rest
+    before, after = tmp_path / "before", tmp_path / "after"
+    for folder in before, after:
+        folder.mkdir()
+    (before / name).write_bytes(gzip.compress(data) if name.endswith(".gz") else data)
+    for file in ("skin.mtl", "my skin.mtl", "one.mtl", "two.mtl", "skin.png"):
+        (before / file).write_bytes(b"")
+    V, F, more = io.read(before / name, attributes=True)
+    io.write(before / f"b{name[1:]}", V + 1, F, like=more)  # beside them: nothing to tell
+    if others:
+        places = ", ".join(str(before / other) for other in others)
+        message = f"{after / name}: names {places}: copy that beside it, with"
+        with pytest.warns(MeshWarning, match=re.escape(message)) as record:
+            io.write(after / name, V + 1, F, like=more)
+        assert record[0].filename == __file__
+        for other in others:
+            (after / other).write_bytes(b"")
+    io.write(after / name, V + 1, F, like=more)
+    assert line.encode() in (gzip.decompress if name.endswith(".gz") else bytes)(
+        (after / name).read_bytes()
+    )
 
 
 def test_an_obj_keeps_all_but_the_numbers_that_changed():

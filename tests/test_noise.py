@@ -75,6 +75,28 @@ def test_correlated_noise_leaves_vertices_without_faces():
     assert np.isfinite(found).all()
 
 
+def test_correlated_noise_that_memory_does_not_hold_is_refused(monkeypatch):
+    # A vertex has 6 neighbours, and within 4 edges 3 * 4 * 5 others: about 48.
+    monkeypatch.setattr(noise, "MOST_PAIRS", 50 * N)
+    noise.correlated(V, F, 0.2, np.random.default_rng(1), steps=4)
+    with pytest.raises(ValueError, match=r"^steps is 5: with 2,562 vertices, .* give up to 4$"):
+        noise.correlated(V, F, 0.2, np.random.default_rng(1), steps=5)
+    monkeypatch.setattr(noise, "MOST_PAIRS", N**2)  # all around all
+    with_all = noise.correlated(*shapes.icosphere(0), 0.2, np.random.default_rng(1), steps=10**9)
+    assert np.isfinite(with_all).all()
+
+
+def test_correlated_noise_of_many_steps_moves_all_alike():
+    # The averages of a thousand steps are those of all vertices: one draw for all of them,
+    # also beside a vertex whose own weight would be 2^-1100 by then.
+    S, G = shapes.icosphere(0)
+    W = np.vstack([S, [9.0, 9, 9]])
+    found = noise.correlated(W, G, 0.2, np.random.default_rng(1), steps=1100)
+    height = np.sum((found[:-1] - S) * mesh.vertex_normals(S, G), axis=1)
+    np.testing.assert_allclose(height, height[0], rtol=1e-9)
+    assert np.array_equal(found[-1], W[-1])
+
+
 @given(st.floats(-20, 120), st.integers(0, 2**32 - 1))
 def test_at_snr_meets_the_snr(decibels, seed):
     displacement = np.random.default_rng(seed).standard_normal(V.shape)
@@ -247,7 +269,7 @@ def test_uniform_takes_positions_alone():
         noise.uniform(np.zeros((0, 3)), 0.2, np.random.default_rng(3))
 
 
-@pytest.mark.parametrize("decibels", [np.nan, np.inf, "loud"])
-def test_an_snr_that_is_no_number_is_refused(decibels):
+@pytest.mark.parametrize("decibels", [np.nan, np.inf, "loud", -20_000, -301, 301])
+def test_an_snr_that_no_mesh_can_have_is_refused(decibels):
     with pytest.raises(ValueError, match="decibels is"):
         noise.at_snr(V, V + 1, decibels)

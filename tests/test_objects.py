@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from meshfair import MeshError, denoise, denoising, filters, mesh, noise, shapes, weights
+from meshfair import MeshError, denoise, denoising, filters, io, mesh, noise, shapes, weights
 
 V, F = shapes.icosphere(2)
 V_NOISY = noise.along_normals(V, F, 0.2, np.random.default_rng(3))
@@ -91,6 +91,13 @@ def test_it_stands_for_both_arrays_wherever_they_are_asked_for(made):
     *_, (_, X) = filters.heat(given, time=1)
     *_, (_, Y) = filters.heat(V_NOISY, F, time=1)
     np.testing.assert_array_equal(X, Y)
+
+
+def test_it_can_be_written(made, tmp_path):
+    given, *_ = made
+    io.write(tmp_path / "given.ply", given)
+    for array, want in zip(io.read(tmp_path / "given.ply"), (V_NOISY, F), strict=True):
+        np.testing.assert_array_equal(array, want)
 
 
 def test_the_ground_truth_may_be_one_too(made):

@@ -1,5 +1,7 @@
 """The site: built whole, without warnings; its pages opened in a browser, from their files."""
 
+import base64
+import io
 import os
 import re
 import subprocess
@@ -11,6 +13,9 @@ from urllib.parse import unquote, urlsplit
 
 import pytest
 from filelock import FileLock
+from PIL import Image
+
+from lab import CHROMIUM
 
 pytest.importorskip("sphinx", reason="needs the site extra")
 playwright = pytest.importorskip("playwright.sync_api", reason="needs the test extra")
@@ -18,11 +23,12 @@ playwright = pytest.importorskip("playwright.sync_api", reason="needs the test e
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = ROOT / "report" / "pages"
 SITE = ROOT / "report" / "site"
-CHROMIUM = "/usr/bin/chromium"
 
 sys.path.insert(0, str(PAGES))
 import docstrings  # noqa: E402
 import execution  # noqa: E402
+import gallery  # noqa: E402
+import nbformat  # noqa: E402
 import public  # noqa: E402
 
 pytestmark = pytest.mark.xdist_group("report")  # one worker builds both, into one folder
@@ -44,6 +50,22 @@ def site():
         assert "WARNING: /" not in built.stderr
         done.touch()
     return SITE
+
+
+def test_a_picture_goes_by_the_name_of_its_own_mesh():
+    notebook = nbformat.reads(gallery.notebook("l0"), as_version=4)
+    cells = [cell for cell in notebook.cells if "picture" in cell.metadata.get("tags", ())]
+    assert [cell.metadata.mesh for cell in cells] == list(gallery.MESHES)
+    for k, cell in enumerate(cells[1:]):  # the first one's has not come about
+        written = io.BytesIO()
+        Image.new("RGB", (640, 480), (0, 0, 250 * k)).save(written, "png")
+        png = base64.b64encode(written.getvalue()).decode()
+        cell.outputs = [nbformat.v4.new_output("display_data", {"image/png": png})]
+    found = gallery.thumbnails("l0", notebook)
+    assert list(found) == ["l0-torus.webp", "l0-jet.webp"]
+    pictures = [Image.open(io.BytesIO(picture)) for picture in found.values()]
+    assert {picture.size for picture in pictures} == {(320, 240)}
+    assert [picture.getpixel((9, 9))[2] > 200 for picture in pictures] == [False, True]
 
 
 class Found(HTMLParser):
@@ -180,7 +202,7 @@ def listen(tab, complaints):
     tab.on("pageerror", lambda error: complaints.append((tab.url, str(error))))
 
 
-@pytest.mark.skipif(not os.path.exists(CHROMIUM), reason="needs Chromium")
+@pytest.mark.skipif(CHROMIUM is None, reason="no chromium is installed")
 @pytest.mark.filterwarnings("ignore::ResourceWarning")
 def test_no_page_complains_in_a_browser(site):
     with playwright.sync_playwright() as library:

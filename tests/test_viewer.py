@@ -1,5 +1,6 @@
 """The viewer: cameras, pictures, the frames' protocol, both backends, the window."""
 
+import base64
 import io
 import subprocess
 import sys
@@ -590,7 +591,7 @@ def test_still_and_display_data(torus):
     assert view.still((600, 200)).size == (600, 200)
     data, _ = view._repr_mimebundle_()
     assert "application/vnd.jupyter.widget-view+json" in data
-    assert Image.open(io.BytesIO(data["image/png"])).size == viewer.stills.STILL
+    assert Image.open(io.BytesIO(base64.b64decode(data["image/png"]))).size == viewer.stills.STILL
 
 
 def test_look_at_moves_the_reset_view(torus):

@@ -31,6 +31,8 @@ Choice = TypeVar("Choice")
 PACKAGE = str(Path(__file__).parent)
 # Products of four coordinates (areas squared) must stay finite in float64.
 LARGEST_COORDINATE = 1e75
+# Of what is near to what, all lists together: they and their weights take some 3 GB.
+MOST_PAIRS = 2e8
 # A triangle is degenerate when its height over its longest edge is this small
 # a part of that edge: below it, rounding decides the normal and the cotangents.
 DEGENERATE = 1e-12

@@ -28,6 +28,9 @@ Builder = Callable[[Floats], sparray]
 Operator: TypeAlias = sparray | Builder
 Fixed: TypeAlias = ArrayLike | None
 
+# Steps of a flow: on the smallest mesh, these would take hours.
+MOST_STEPS = 1e9
+
 
 class BestStopping(NamedTuple):
     """Where a flow comes closest to the ground truth."""
@@ -216,8 +219,13 @@ def _checked(
         raise ValueError("tau is 0; give a time step in (0, 1]")
     build = A if callable(A) else None
     A = check_operator(build(V) if build else A, len(V))
-    steps = int(time / abs(tau) * (1 + 1e-12))  # 0.6 / 0.2 is 2.9999999999999996
-    return V, build, A, tau, steps, check_fixed(fixed, len(V))
+    steps = time / abs(tau) * (1 + 1e-12)  # 0.6 / 0.2 is 2.9999999999999996
+    if steps > MOST_STEPS:
+        raise ValueError(
+            f"time is {time:g}, which is {steps:.1g} steps of tau = {tau:g}, more than anyone "
+            f"waits for; give up to {MOST_STEPS * abs(tau):g}"
+        )
+    return V, build, A, tau, int(steps), check_fixed(fixed, len(V))
 
 
 def _stop_if_outgrown(size: float, step: int, tau: float) -> None:

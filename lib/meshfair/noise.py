@@ -10,9 +10,10 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.sparse import csr_array, eye_array
+from scipy.sparse import csr_array, diags_array, eye_array
 
 from meshfair.checks import (
+    MOST_PAIRS,
     Floats,
     Integers,
     MeshError,
@@ -28,6 +29,9 @@ from meshfair.checks import (
 from meshfair.mesh import Edges, mean_edge_length, vertex_normals
 from meshfair.mesh.joining import on_joined
 from meshfair.mesh.objects import takes_meshes
+
+SNR_RANGE = -300.0, 300.0
+"""In decibels: beyond, noise is lost in the rounding of float64, and so is the mesh."""
 
 
 @takes_meshes
@@ -194,12 +198,19 @@ def correlated(
     Raises
     ------
     MeshError, ValueError, TypeError
-        As `along_normals`, or ``steps`` no whole number of at least 0.
+        As `along_normals`, or ``steps`` no whole number of at least 0, or so many that memory
+        does not hold what is that many edges around each vertex.
     """
     V, F = check_mesh(V, F)
     eps = check_number(sigma, "sigma", 0) * mean_edge_length(V, F)
     R = check_rng(rng).standard_normal((len(V), 1))
-    S = _spreading(F, len(V), check_count(steps, "steps", 0))
+    steps, most = check_count(steps, "steps", 0), MOST_PAIRS / len(V)
+    if most < len(V) and 3 * steps**2 > most:  # six neighbours, twelve around them, and so on
+        raise ValueError(
+            f"steps is {steps}: with {len(V):,} vertices, what is that many edges around each is "
+            f"more than memory holds; give up to {int(np.sqrt(most / 3))}"
+        )
+    S = _spreading(F, len(V), steps)
     size = np.sqrt(S.power(2).sum(axis=1))[:, None]
     normals = vertex_normals(V, F)
     _warn_of_cancelled(normals, F)
@@ -207,16 +218,14 @@ def correlated(
 
 
 def _spreading(F: Integers, n: int, steps: int) -> csr_array:
-    """((I + A) / 2)^steps, with A the mean over the neighbours."""
-    i, j = Edges(F, n).ends.T
-    rows, columns = np.concatenate([i, j]), np.concatenate([j, i])
-    degree = np.bincount(rows, minlength=n)
-    A = csr_array((1 / degree[rows], (rows, columns)), shape=(n, n))
-    half = (eye_array(n, format="csr") + A) / 2
-    S = csr_array(eye_array(n, format="csr"))
-    for _ in range(steps):
-        S = S @ half
-    return S
+    """((I + A) / 2)^steps, with A the mean over the neighbours, or oneself where there are none."""
+    from scipy.sparse.linalg import matrix_power  # slow to load, and seldom needed
+
+    edges = Edges(F, n)
+    W = edges.matrix(np.ones(len(edges)))
+    degree = W.sum(axis=1)
+    A = diags_array(1 / np.maximum(degree, 1)) @ W + diags_array((degree == 0).astype(float))
+    return csr_array(matrix_power(csr_array(eye_array(n) + A) / 2, steps))
 
 
 def at_snr(V: ArrayLike, displacement: ArrayLike, decibels: float) -> Floats:
@@ -243,10 +252,10 @@ def at_snr(V: ArrayLike, displacement: ArrayLike, decibels: float) -> Floats:
     ------
     MeshError, ValueError
         Arrays that do not fit together, a displacement that is zero
-        everywhere, or ``decibels`` not finite.
+        everywhere, or ``decibels`` outside `SNR_RANGE`.
     """
     V, displacement = check_same_vertices(V, displacement, ("V", "displacement"))
-    decibels = check_number(decibels, "decibels", -np.inf)
+    decibels = check_number(decibels, "decibels", *SNR_RANGE)
     size = np.linalg.norm(displacement, axis=1).sum()
     if size == 0:
         raise MeshError("displacement is zero everywhere; no scale gives it an SNR")

@@ -110,6 +110,22 @@ def figure(
         drawn.savefig(path, metadata={"Date": None})
 
 
+def shades(count: int) -> list[str]:
+    """Greys for what has an order, such as sizes of noise: the more, the darker.
+
+    Parameters
+    ----------
+    count : int
+        At least 1.
+
+    Returns
+    -------
+    list of str
+        As matplotlib writes greys, the lightest first, black last.
+    """
+    return [f"{0.7 * k / max(count - 1, 1):.2f}" for k in reversed(range(count))]
+
+
 def draw_curves(
     axes: Axes,
     table: pd.DataFrame,

@@ -93,7 +93,6 @@ def main() -> None:
     for path in sorted(PAGES.rglob("*.md")):
         name = path.relative_to(PAGES).as_posix()
         write(name, environment.get_template(name).render(facts))
-    write("jet.png", (REPORT / "pictures" / "jet.png").read_bytes())
     write("CITATION.cff", (ROOT / "CITATION.cff").read_bytes())
     for path in SOURCE.rglob("*"):  # what an earlier build had
         if path.is_file() and path not in written:

@@ -59,11 +59,11 @@ def formulas() -> dict[str, str]:
         return {entry["plain"]: entry["tex"] for entry in tomllib.load(file)["formula"]}
 
 
-def typeset(text: str) -> str:
+def typeset(text: str, form: str = ":math:`{}`") -> str:
     """Docstring text with each known formula as TeX, also where it goes on in the next line."""
     for plain, tex in formulas().items():
         words = r"\s+".join(map(re.escape, plain.split()))
-        text = re.sub(rf"(?<![\w`]){words}(?![\w`])", lambda _, t=tex: rf":math:`{t}`", text)
+        text = re.sub(rf"(?<![\w`]){words}(?![\w`])", lambda _, t=tex: form.format(t), text)
     return text
 
 

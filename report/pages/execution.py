@@ -17,8 +17,11 @@ import nbformat
 from jupyter_cache import get_cache
 from jupyter_cache.base import CacheBundleIn
 from nbformat import NotebookNode
+from traitlets.config import Config
 
 TIMEOUT = 600  # seconds a cell
+# How kernels are spoken to: through sockets that no other user can read, where there are such.
+TRANSPORT = "tcp" if os.name == "nt" else "ipc"
 KERNEL = {
     "MESHFAIR_PAGE": "1",  # meshes and explorers as they can be without a kernel
     "TQDM_DISABLE": "1",
@@ -69,6 +72,8 @@ def _run(path: Path, notebook: NotebookNode, scratch: Path) -> NotebookNode:
         notebook,
         timeout=TIMEOUT,
         record_timing=False,  # times within the cells would be cells that have changed
+        store_widget_state=False,  # pages run no widgets
+        config=Config(KernelManager={"transport": TRANSPORT}),
         resources={"metadata": {"path": str(scratch)}},
     )
     try:

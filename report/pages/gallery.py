@@ -90,14 +90,14 @@ def notebook(method: str) -> str:
 def thumbnails(method: str, executed: NotebookNode) -> dict[str, bytes]:
     """The pictures that the notebook of a filter has made, small, by file name."""
     found = {}
-    meshes = iter(MESHES)
     for cell in executed.cells:
-        for output in cell.get("outputs", []):
-            png = output.get("data", {}).get("image/png")
-            if png and cell.source.startswith("camera ="):
+        if "picture" not in cell.metadata.get("tags", ()):
+            continue
+        for output in cell.outputs:
+            if png := output.get("data", {}).get("image/png"):
                 picture = Image.open(io.BytesIO(base64.b64decode(png)))
                 picture.thumbnail((THUMBNAIL, THUMBNAIL))
                 written = io.BytesIO()
                 picture.save(written, "webp", quality=80)
-                found[f"{method}-{next(meshes)}.webp"] = written.getvalue()
+                found[f"{method}-{cell.metadata['mesh']}.webp"] = written.getvalue()
     return found

@@ -72,4 +72,4 @@ class Links:
         found = re.search(rf"^## {re.escape(heading)}\n(.*?)(?=^## |\Z)", text, re.M | re.S)
         if not found:
             raise ValueError(f"{name} has no section '{heading}'")
-        return self.rewrite(found[1].strip(), self.root / name, page)
+        return self.rewrite(found[1].strip("\n"), self.root / name, page)

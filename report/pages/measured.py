@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 REPORT = Path(__file__).resolve().parent.parent
@@ -76,6 +77,11 @@ def machine() -> str:
     )
 
 
+def written(ratio: float) -> str:
+    """A ratio with two digits: 0.85, 2.3, 14, 160."""
+    return np.format_float_positional(ratio, precision=2, unique=False, fractional=False, trim="-")
+
+
 def vertices() -> str:
     """The number of vertices of the mesh that most times are of."""
     bench = pd.read_csv(REPORT / "results" / "bench.csv")
@@ -91,7 +97,7 @@ def bench() -> str:
             [
                 f"**{row.contender}**" if row.contender.startswith("ours") else row.contender,
                 f"{1e3 * row.seconds:.3g}",
-                f"{row.times_ours:.2g}",
+                written(row.times_ours),
                 f"{row.peak_bytes / 1e6:.0f}",
             ]
             for row in group.itertuples()

@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 import public
+from docstrings import typeset
 from notebooks import title
 
 INTRODUCTION = """# Reference
@@ -45,7 +46,7 @@ def page(name: str, used: dict[str, list[Path]]) -> str:
     lines += ["| | |", "|---|---|"]
     for member, value in members.items():
         summary = (inspect.getdoc(value) or "").partition("\n\n")[0].replace("\n", " ")
-        lines.append(f"| [`{member}`](#meshfair.{name}.{member}) | {typeset(summary)} |")
+        lines.append(f"| [`{member}`](#meshfair.{name}.{member}) | {in_table(summary)} |")
     for member, value in members.items():
         kind = "class" if inspect.isclass(value) else "function"
         lines += ["", f"## {member}", ""]
@@ -60,9 +61,10 @@ def page(name: str, used: dict[str, list[Path]]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def typeset(text: str) -> str:
-    """A line of a docstring as Markdown."""
-    return re.sub(r"\[\w+\]_", "", text).replace("|", "\\|").replace("``", "`").replace(" .", ".")
+def in_table(text: str) -> str:
+    """A line of a docstring as Markdown in a table, without its sources."""
+    text = re.sub(r"\s*\[\w+\]_", "", text)
+    return typeset(text, "${}$").replace("|", "\\|").replace("``", "`")
 
 
 def directive(kind: str, target: str, **options: bool) -> str:

@@ -23,8 +23,6 @@ MODELS: dict[str, dict[str, float | None]] = {
     "correlated": {"sigma": 0.2, "steps": 3},
     "impulsive": {"sigma": 0.2, "fraction": 0.1},
 }
-# In decibels: beyond, noise is lost in the rounding of float64, and so is the mesh.
-SNR_RANGE = -300, 300
 DEFAULT_MODEL = "normals"
 
 
@@ -77,7 +75,7 @@ def run(options: argparse.Namespace) -> int:
     check_count(options.seed, "--seed")
     sizes = _sizes(options)
     if options.decibels is not None:
-        check_number(options.decibels, "--snr", *SNR_RANGE)
+        check_number(options.decibels, "--snr", *noise.SNR_RANGE)
     V, F, attributes = files.read_whole(source, options)
     files.warn_of_problems(source, V, F)
     rng = np.random.default_rng(options.seed)

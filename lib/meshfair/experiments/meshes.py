@@ -15,8 +15,9 @@ import numpy as np
 from meshfair import datasets, io, noise, shapes
 from meshfair.checks import Floats, Integers
 from meshfair.experiments import specimens
+from meshfair.experiments.specimens import Mesh
 
-MESHES: dict[str, Callable[[], tuple[Floats, Integers]]] = {
+MESHES: dict[str, Callable[[], Mesh]] = {
     "knot": shapes.knot,
     "fine knot": partial(shapes.knot, 480, 48),
     "torus": shapes.torus,
@@ -33,9 +34,6 @@ MESHES: dict[str, Callable[[], tuple[Floats, Integers]]] = {
     "boulder": specimens.boulder,
 }
 """The built-in shapes that the experiments use, each as a function without arguments."""
-
-
-Mesh = tuple[Floats, Integers]
 
 _GIVEN: ContextVar[Mapping[str, Mesh]] = ContextVar("given", default=MappingProxyType({}))
 

@@ -9,6 +9,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 CELL = ["mesh", "kind", "size", "seed"]
+OWN, NOISY = "own choice", "noisy mesh"
+"""The contenders that are no method: the front's choice, and to do nothing."""
 
 
 def regrets(table: pd.DataFrame, error: str = "normal_angle") -> pd.DataFrame:
@@ -39,7 +41,7 @@ def regrets(table: pd.DataFrame, error: str = "normal_angle") -> pd.DataFrame:
     }
     rows = table[table["parameters"] != "tuned"].copy()
     names = rows["method"].where(rows["parameters"] == "default", rows["method"] + ", auto")
-    names = names.mask(front[rows.index], "own choice").mask(noisy[rows.index], "noisy mesh")
+    names = names.mask(front[rows.index], OWN).mask(noisy[rows.index], NOISY)
     rows.insert(0, "contender", names)
     for name, which in groups.items():
         least = table[which].groupby(CELL)[error].min().rename(name)

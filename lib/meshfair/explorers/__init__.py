@@ -16,6 +16,7 @@ with needed_for("an explorer"):
     from meshfair.explorers.explorer import Explorer
     from meshfair.explorers.filters import FilterExplorer
     from meshfair.explorers.heat import AveragingExplorer, ComparisonExplorer, HeatExplorer
+    from meshfair.explorers.iterations import IterationExplorer
     from meshfair.explorers.jet import JetExplorer
     from meshfair.explorers.kernels import KernelExplorer
     from meshfair.explorers.low_pass import LowPassExplorer
@@ -35,6 +36,7 @@ __all__ = [
     "Explorer",
     "FilterExplorer",
     "HeatExplorer",
+    "IterationExplorer",
     "JetExplorer",
     "KernelExplorer",
     "LowPassExplorer",

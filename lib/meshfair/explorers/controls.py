@@ -148,3 +148,25 @@ def weights_choice(value: str = "combinatorial") -> Any:
 def two_digits(number: float) -> str:
     """A number with two digits behind the point, or the sign for infinity: 27.31."""
     return f"{number:.2f}".replace("inf", "∞")
+
+
+def said(control: Any, value: Any = None) -> str:
+    """What a control shows of a value, in words.
+
+    Parameters
+    ----------
+    control : ipywidgets.Widget
+        A slider, a menu or a box.
+    value : optional
+        One that it could have; its own by default.
+
+    Returns
+    -------
+    str
+    """
+    value = control.value if value is None else value
+    if hasattr(control, "options"):
+        return next(label for label, option in control.options if option == value)
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return format(value, control.readout_format)

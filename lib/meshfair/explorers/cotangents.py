@@ -15,6 +15,7 @@ from meshfair.mesh.elements import Triangles
 from meshfair.viewer.page import for_page, part, write_page
 from meshfair.viewer.panel import SURFACE
 from meshfair.viewer.recording import pack
+from meshfair.viewer.saved import Bundle, Displayed, Saved, picture
 from meshfair.viewer.scripts import text
 from meshfair.viewer.stills import INK
 from meshfair.weights import cotangent
@@ -27,7 +28,7 @@ START = ((0.0, 0.0), (0.0, 2.0), (-1.6, 1.2), (1.5, 0.8))
 NAMES = ("v_i", "v_j", "a", "b")
 
 
-class CotangentExplorer(anywidget.AnyWidget):
+class CotangentExplorer(Displayed, anywidget.AnyWidget):
     """Two triangles at an edge: drag a corner, and see alpha, beta and w_ij.
 
     Where an angle becomes so obtuse that both sum to more than 180 degrees, the
@@ -59,6 +60,8 @@ class CotangentExplorer(anywidget.AnyWidget):
         super().__init__(points=[list(point) for point in START], **traits)
         self.observe(lambda _: self._compute(), names="points")
         self._compute()
+        self._saved = Saved(self, lambda: self.points, self._kept, drawn="svg")
+        self.observe(lambda _: self._saved.changed(), names="points")
 
     def move(self, name: str, place: tuple[float, float]) -> None:
         """Move a corner.
@@ -139,6 +142,9 @@ class CotangentExplorer(anywidget.AnyWidget):
         figure.suptitle(self._said(), fontsize=9, color=INK)
         canvas.draw()
         return Image.fromarray(np.array(canvas.buffer_rgba()))
+
+    def _kept(self) -> Bundle:
+        return picture(self._still(), self._said())
 
     def _repr_mimebundle_(self, **kwargs: Any) -> Any:
         """The explorer, or a part of a page that computes by itself."""

@@ -10,23 +10,25 @@ from typing import Any
 
 import ipywidgets as widgets
 
+from meshfair.explorers.controls import said
 from meshfair.explorers.curves import CurvePlot
 from meshfair.explorers.states import recorded
 from meshfair.explorers.worker import Job, LatestWins
 from meshfair.viewer import View
 from meshfair.viewer.page import described, for_page, part, write_page
-from meshfair.viewer.view import with_still
+from meshfair.viewer.saved import Bundle, Displayed, Saved
 
 Settings = dict[str, Any]
 EIGENMODES = 5e-10  # seconds for all of them, over the third power of the number of vertices
 
 
-class Explorer:
+class Explorer(Displayed):
     """A view with controls and plots around it.
 
     A subclass makes ``view``, ``plots`` and ``controls``, and then calls
     `_begin`. What its controls ask for, `_work` does on a thread of its own:
-    a new value cancels the work for the old one.
+    a new value cancels the work for the old one. A notebook that is saved keeps a
+    still of the view and what the controls said.
 
     Attributes
     ----------
@@ -90,6 +92,8 @@ class Explorer:
         self.widget.add_class("meshfair-explorer")
         if len(self.view.panels) == 1:  # which leaves room for the plots beside it
             self.widget.add_class("meshfair-one-panel")
+        self._saved = Saved(self.widget, self._state, self._kept)
+        self.view.follow(self._saved.changed)
         self._request()
 
     def settings(self) -> Settings:
@@ -209,10 +213,25 @@ class Explorer:
         """Settings are gone through in this block; a subclass restores what they change."""
         yield
 
-    def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+    def _state(self) -> object:
+        return self.view.state(), self.settings()
+
+    def _kept(self) -> Bundle:
+        """What a notebook keeps: a still of the view, and what the controls say."""
+        shown = [f"{control.description} {said(control)}" for control in self.controls.values()]
+        return self.view.kept(" · ".join(shown))
+
+    def _ipython_display_(self, **kwargs: Any) -> None:
+        self._wait_a_little()
+        super()._ipython_display_()
+
+    def _repr_mimebundle_(self, **kwargs: Any) -> tuple[Bundle, Bundle]:
         """The explorer, and a still of its view for readers without a kernel; or a page's part."""
         if for_page():
             return {"text/html": self.to_html()}, {}
-        with contextlib.suppress(TimeoutError):  # on a large mesh, the still shows less
+        self._wait_a_little()
+        return self._saved.bundle()
+
+    def _wait_a_little(self) -> None:
+        with contextlib.suppress(TimeoutError):  # on a large mesh, the first still shows less
             self.wait(5)
-        return with_still(self.widget, self.view)

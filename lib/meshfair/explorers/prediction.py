@@ -9,21 +9,20 @@ import ipywidgets as widgets
 
 from meshfair.checks import check_choice, check_number, check_range
 from meshfair.viewer.page import for_page
+from meshfair.viewer.saved import Bundle, Displayed, Saved
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
 class Answer(widgets.HTML):
-    """What `Prediction.reveal` tells; plain HTML in a page without a kernel."""
+    """What `Prediction.reveal` tells; a notebook gets it as HTML, which needs no kernel."""
 
     def _repr_mimebundle_(self, **kwargs: Any) -> Any:
-        if for_page():
-            return {"text/html": f"<p>{self.value}</p>"}, {}
-        return super()._repr_mimebundle_(**kwargs)
+        return {"text/html": f"<p>{self.value}</p>"}, {}
 
 
-class Prediction(widgets.VBox):
+class Prediction(Displayed, widgets.VBox):
     """A question whose answer is guessed first; `reveal` then tells how far off the guess is.
 
     The slider is the guess once it is confirmed. A notebook that runs without anybody to
@@ -97,13 +96,22 @@ class Prediction(widgets.VBox):
                 self.answer,
             ]
         )
+        self._saved = Saved(self, lambda: self._guess, self._kept, drawn="button")
 
     def _repr_mimebundle_(self, **kwargs: Any) -> Any:
         """The question with its slider; in a page without a kernel, the question alone."""
         if for_page():
-            asked = html.escape(f"{self._question} ({self._choice.strip()})")
-            return {"text/html": f"<p><b>Your guess.</b> {asked}</p>"}, {}
+            return self._asked(), {}
         return super()._repr_mimebundle_(**kwargs)
+
+    def _asked(self) -> Bundle:
+        question = html.escape(f"{self._question} ({self._choice.strip()})")
+        return {"text/html": f"<p><b>Your guess.</b> {question}</p>"}
+
+    def _kept(self) -> Bundle:
+        """What a notebook keeps: the question, and what was guessed."""
+        told = f"<p>{self.answer.value}</p>" if self._guess is not None else ""
+        return {"text/html": self._asked()["text/html"] + told, "text/plain": self._question}
 
     @property
     def guess(self) -> float | str | None:
@@ -125,6 +133,7 @@ class Prediction(widgets.VBox):
             self.answer.value = "Choose one of them first."
         else:
             self.answer.value = f"You guess <b>{self._worded(self._guess)}</b>. Go on."
+        self._saved.changed()
 
     def _worded(self, value: float | str) -> str:
         text = value if isinstance(value, str) else f"{value:.4g} {self.unit}"

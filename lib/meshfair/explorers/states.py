@@ -17,6 +17,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from meshfair.checks import MeshWarning
+from meshfair.explorers.controls import said
 from meshfair.explorers.curves import CurvePlot
 from meshfair.viewer import View
 from meshfair.viewer.recording import Recording
@@ -170,19 +171,14 @@ def _ordered(control: Any, values: Sequence[Any]) -> list[Any]:
 
 def _control(name: str, control: Any, values: Sequence[Any], main: str) -> dict[str, Any]:
     """What a page needs to know of a control."""
-    if hasattr(control, "options"):
-        kind, labels = "menu", {value: label for label, value in control.options}
-        texts = [labels[value] for value in values]
-    elif isinstance(values[0], bool):
-        kind, texts = "box", ["yes" if value else "no" for value in values]
-    else:
-        written = control.readout_format
-        kind, texts = "range", [format(value, written) for value in values]
+    kind = "menu" if hasattr(control, "options") else "range"
+    if isinstance(values[0], bool):
+        kind = "box"
     return {
         "label": control.description,
         "tooltip": control.tooltip or "",
         "kind": kind,
-        "texts": texts,
+        "texts": [said(control, value) for value in values],
         "main": name == main,
         "checked": [bool(value) for value in values] if kind == "box" else None,
     }

@@ -21,7 +21,13 @@ from meshfair.checks import (
     check_mesh,
     check_number,
 )
-from meshfair.filters.neighbourhoods import entries, squared_distances, within
+from meshfair.filters.neighbourhoods import (
+    LARGEST_RADIUS,
+    check_pairs,
+    entries,
+    squared_distances,
+    within,
+)
 from meshfair.mesh import Edges, face_shapes, normalised
 from meshfair.mesh.geometry import incidence
 
@@ -55,7 +61,8 @@ def bilateral(
         As in `meshfair.filters.averaging`.
     iterations : int
     radius : float
-        How far the neighbourhood goes, in sigma_c; it is grown through the mesh.
+        How far the neighbourhood goes, in sigma_c; it is grown through the mesh. One beyond
+        the mesh's diameter means all of it, where memory holds that.
 
     Yields
     ------
@@ -69,12 +76,14 @@ def bilateral(
     """
     V, F = check_mesh(V, F)
     iterations = check_count(iterations, "iterations")
-    radius = check_number(radius, "radius", 0, open_low=True)
+    radius = check_number(radius, "radius", 0, LARGEST_RADIUS, open_low=True)
     fixed = check_fixed(fixed, len(V))
     edges, B = Edges(F, len(V)), incidence(F, len(V))
     for step in range(1, iterations + 1):
         lengths = weights.distance(V, edges)
         sigma_c = shortest_edges(lengths)
+        if step == 1:
+            check_pairs(V, radius * sigma_c, radius)
         near = within(V, lengths, radius * sigma_c)
         N = normalised(B @ face_shapes(V, F)[0], np.diff(B.indptr))
         V = move_along_normals(V, N, near, sigma_c, fixed)

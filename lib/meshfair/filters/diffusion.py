@@ -20,6 +20,7 @@ from scipy.sparse import csr_array, diags_array
 
 from meshfair import flow, solve
 from meshfair.checks import (
+    LARGEST_COORDINATE,
     Floats,
     Integers,
     MeshError,
@@ -52,7 +53,7 @@ def averaging(
     weights : {"combinatorial", "distance", "cotangent"}
         Built once, from the noisy mesh.
     iterations : int
-        s.
+        How many, the s of the formula.
     fixed : array_like, optional
         Vertices that keep their place, as a boolean mask (n,) or as indices.
 
@@ -152,7 +153,7 @@ def taubin(
     Raises
     ------
     MeshError, ValueError
-        As `averaging`.
+        As `averaging`; also: positions that outgrow all numbers, with a large mu.
     """
     V, F = check_mesh(V, F)
     lam = check_number(lam, "lam", 0, 1, open_low=True)
@@ -162,8 +163,14 @@ def taubin(
     A = averaging_operator(_edge_weights(V, F, weights))
     X: Floats = V
     for step in range(1, iterations + 1):
-        for factor in (lam, mu):
-            X = X + factor * free * (A @ X - X)
+        with np.errstate(over="ignore", invalid="ignore"):
+            for factor in (lam, mu):
+                X = X + factor * free * (A @ X - X)
+        if not np.abs(X).max() <= LARGEST_COORDINATE:  # so that NaN is caught
+            raise MeshError(
+                f"the filter has outgrown all numbers in iteration {step}; take mu = {mu:g} "
+                f"closer to -lam = {-lam:g}, or fewer iterations"
+            )
         yield step / iterations, X
 
 

@@ -22,7 +22,14 @@ from meshfair.checks import (
     check_mesh,
     check_number,
 )
-from meshfair.filters.neighbourhoods import adjacent_faces, entries, face_rings, within
+from meshfair.filters.neighbourhoods import (
+    LARGEST_RADIUS,
+    adjacent_faces,
+    check_pairs,
+    entries,
+    face_rings,
+    within,
+)
 from meshfair.filters.normal_filtering import (
     joint_bilateral,
     mean_distance,
@@ -68,7 +75,8 @@ def guided_normal(
         sigma_c, in mean distances of the centroids of adjacent faces.
     radius : float
         How far the centroids of the faces j may be from that of face i, in
-        mean distances of adjacent centroids of the input.
+        mean distances of adjacent centroids of the input. One beyond the mesh's
+        diameter means all of it, where memory holds that.
     iterations, vertex_iterations : int
         How often the normals are filtered, and how often the vertices are
         moved each time.
@@ -86,14 +94,16 @@ def guided_normal(
     V, F = check_mesh(V, F)
     sigma_normal = check_number(sigma_normal, "sigma_normal", 0, open_low=True)
     sigma_space = check_number(sigma_space, "sigma_space", 0, open_low=True)
-    radius = check_number(radius, "radius", 0, open_low=True)
+    radius = check_number(radius, "radius", 0, LARGEST_RADIUS, open_low=True)
     iterations = check_count(iterations, "iterations")
     vertex_iterations = check_count(vertex_iterations, "vertex_iterations", 1)
     fixed = check_fixed(fixed, len(V))
     B = incidence(F, len(V))
     patches = Patches(face_rings(B))
     _, _, C = face_shapes(V, F)
-    near = within(C, patches.rings, np.full(len(F), radius * mean_distance(C, patches.adjacent)))
+    reach = np.full(len(F), radius * mean_distance(C, patches.adjacent))
+    check_pairs(C, reach, radius)
+    near = within(C, patches.rings, reach)
     for step in range(1, iterations + 1):
         N, area, C = face_shapes(V, F)
         G = guidance(patches, N, area)

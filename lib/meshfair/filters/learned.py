@@ -40,9 +40,6 @@ from meshfair.mesh.geometry import incidence
 from meshfair.operators import averaging
 from meshfair.weights import combinatorial
 
-# Cosine of the angle, 37 degrees, from which on a face counts as turned over.
-FOLDED = 0.8
-
 
 def learned(
     V: ArrayLike,
@@ -121,12 +118,13 @@ def move_and_unfold(
     """Move each vertex towards the planes of its faces, and unfold where these have turned over.
 
     A step of `meshfair.filters.normal_filtering.move_vertices` moves a vertex along normals,
-    which does not undo noise that has pushed it over an edge of its ring. So vertices of a
-    face that is far from the normal it should have also move along the surface,
+    which does not undo noise that has pushed it over an edge of its ring. So the vertices of a
+    face that looks away from the normal it should have also move along the surface,
 
         v_i <- v_i + (I - m_i m_i') (A v - v)_i / 2,
 
-    towards the mean of their neighbours, with the mean normal m_i of their faces.
+    towards the mean of their neighbours, with the mean normal m_i of their faces; those stay
+    whose faces would not get nearer to their normals by that, as on thin plates.
 
     Parameters
     ----------
@@ -140,14 +138,17 @@ def move_and_unfold(
     ndarray of float64, shape (n, 3)
     """
     V = move_vertices(V, F, B, N, fixed)
-    actual, _, _ = face_shapes(V, F)
-    folded = np.sum(actual * N, axis=1) < FOLDED
-    folded &= actual.any(axis=1) & N.any(axis=1)  # what has no normal is not turned over
+    cosine = np.sum(face_shapes(V, F)[0] * N, axis=1)
+    turned = cosine < 0
+    if not turned.any():
+        return V
     corner = np.zeros(len(V), dtype=bool)
-    corner[F[folded]] = True
+    corner[F[turned]] = True
     shift, m = A @ V - V, normalised(B @ N)
     shift -= np.sum(shift * m, axis=1, keepdims=True) * m
-    return V + 0.5 * (corner & ~fixed)[:, None] * shift
+    moved = V + 0.5 * (corner & ~fixed)[:, None] * shift
+    nearer = B @ (np.sum(face_shapes(moved, F)[0] * N, axis=1) - cosine) > 0
+    return np.where(nearer[:, None], moved, V)
 
 
 @cache

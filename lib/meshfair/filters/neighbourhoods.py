@@ -7,7 +7,10 @@ import numpy as np
 from scipy.sparse import csr_array, eye_array
 
 from meshfair import _fast
-from meshfair.checks import Floats, Integers
+from meshfair.checks import MOST_PAIRS, Floats, Integers
+
+# In edges or so: no mesh that fits into memory is wider.
+LARGEST_RADIUS = 1e6
 
 
 def entries(A: csr_array) -> tuple[Integers, Integers]:
@@ -74,6 +77,34 @@ def adjacent_faces(R: csr_array) -> tuple[Integers, Integers]:
     """
     f, g = (R == 2).nonzero()
     return f[f < g], g[f < g]
+
+
+def check_pairs(P: Floats, radius: Floats, given: float) -> None:
+    """Refuse a radius with which neighbourhoods do not fit into memory.
+
+    Parameters
+    ----------
+    P : ndarray of float64, shape (k, 3)
+    radius : ndarray of float64, shape (k,)
+        As `within` takes it.
+    given : float
+        The filter's parameter, for the message.
+
+    Raises
+    ------
+    ValueError
+        More than `meshfair.checks.MOST_PAIRS` neighbours, as counted around some of the points.
+    """
+    if len(P) ** 2 <= MOST_PAIRS:
+        return
+    some = np.linspace(0, len(P) - 1, 12).astype(int)
+    apart = [np.sum([(x[i] - x) ** 2 for x in P.T], axis=0) for i in some]
+    mean = np.mean([np.sum(d < radius[i] ** 2) for d, i in zip(apart, some, strict=True)])
+    if mean * len(P) > MOST_PAIRS:
+        raise ValueError(
+            f"radius is {given:g}, within which {mean:,.0f} of {len(P):,} are near each other, "
+            f"more than memory holds; give a smaller one"
+        )
 
 
 def within(P: Floats, graph: csr_array, radius: Floats) -> csr_array:

@@ -211,9 +211,8 @@ def sun_normals(R: csr_array, N: Floats, T: float) -> Floats:
 
 def gaussian(squared: Floats, sigma: float) -> Floats:
     """exp(-x^2 / 2 sigma^2) of x^2; with sigma 0, 1 at 0 and 0 elsewhere."""
-    if sigma**2 == 0:
-        return (squared == 0).astype(float)
-    return np.exp(-squared / (2 * sigma**2))
+    with np.errstate(over="ignore"):  # what is too large for a number leads to 1, or to 0
+        return np.exp(-squared / max(2 * np.square(sigma), np.finfo(np.float64).tiny))
 
 
 def spatial_weights(near: csr_array, C: Floats, area: Floats, sigma_space: float) -> csr_array:

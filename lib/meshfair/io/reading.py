@@ -2,14 +2,13 @@
 
 import io
 import logging
-import warnings
 from os import PathLike
 from pathlib import Path
 from typing import BinaryIO, Literal, overload
 
 import numpy as np
 
-from meshfair.checks import Floats, Integers, MeshWarning, check_vertices
+from meshfair.checks import Floats, Integers, check_vertices, warn
 from meshfair.io import stl
 from meshfair.io.attributes import Attributes
 from meshfair.io.errors import MeshFileError, file_error
@@ -93,7 +92,7 @@ def read(
     corners = corners.astype(np.int64)
     triangles, told = cut(V, corners, counts)
     for note in filter(None, [*notes, told]):
-        warnings.warn(f"{name}: {note}", MeshWarning, stacklevel=2)
+        warn(f"{name}: {note}")
     F = corners.reshape(-1, 3) if triangles is None else corners[triangles]
     vertex = None
     if found.module is stl and weld:

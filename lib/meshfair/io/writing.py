@@ -8,17 +8,20 @@ from types import ModuleType
 
 from numpy.typing import ArrayLike
 
-from meshfair.checks import Floats, Integers, MeshWarning, check_mesh
+from meshfair.checks import Floats, Integers, MeshWarning, check_mesh, warn
 from meshfair.io.attributes import Attributes
 from meshfair.io.carrying import carried
+from meshfair.io.companions import left_behind
 from meshfair.io.errors import MeshFileError
 from meshfair.io.formats import FORMATS, File, format_of, name_of
 from meshfair.io.precision import loss
 from meshfair.io.reading import read
 from meshfair.io.rewriting import rewritten
 from meshfair.io.saving import replace_file
+from meshfair.mesh.objects import takes_meshes
 
 
+@takes_meshes
 def write(
     path: File,
     V: ArrayLike,
@@ -42,7 +45,8 @@ def write(
     V : array_like, shape (n, 3)
         Vertex positions, in any unit of length.
     F : array_like of integers, shape (m, 3)
-        Vertex indices of the triangles, from 0.
+        Vertex indices of the triangles, from 0. A mesh object of another library may
+        stand for V and F, see `meshfair.mesh.arrays`; these alone are written of it.
     binary : bool, optional
         Write PLY (little endian, float64) and STL in binary, not as text; by
         default as the file that it is written like, else in binary.
@@ -52,7 +56,8 @@ def write(
         positions stays as it is there, byte for byte, and normals are computed
         anew; in the other formats it is written anew. In another format than the
         file's, or for other faces, what can be is kept, and a `MeshWarning` says
-        what is not.
+        what is not; another one names files that a file refers to (an OBJ's
+        materials, a PLY's picture) and that are not in the folder it is written to.
     format : str, optional
         The format, such as ``"ply"`` or ``"obj.gz"``, whatever the ending is.
 
@@ -72,6 +77,8 @@ def write(
     try:
         wanted = format_of(path, format)
         data, told = _encoded(V, F, wanted.ending, binary, like)
+        if like and isinstance(path, (str, PathLike)):
+            told += _sentences(left_behind(data, like, Path(path)))
         if wanted.packed:
             data = gzip.compress(data, 6, mtime=0)
         if isinstance(path, (str, PathLike)):
@@ -81,7 +88,7 @@ def write(
     except MeshFileError as error:
         raise MeshFileError(f"{name}: {error}") from None
     for message in told:
-        warnings.warn(f"{name}: {message}", MeshWarning, stacklevel=2)
+        warn(f"{name}: {message}")
 
 
 def _encoded(

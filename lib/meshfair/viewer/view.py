@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import io
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
@@ -12,18 +11,22 @@ from numpy.typing import ArrayLike
 from meshfair.checks import check_choice, check_number, check_text, check_vertices
 from meshfair.viewer.arguments import coloring
 from meshfair.viewer.backend import Backend
+from meshfair.viewer.camera import Camera
 from meshfair.viewer.live import made
-from meshfair.viewer.page import for_page
+from meshfair.viewer.page import described, for_page
 from meshfair.viewer.picking import pick
+from meshfair.viewer.saved import Bundle, Displayed, Saved, picture
 from meshfair.viewer.side_by_side import SideBySide
 
 
-class View(SideBySide):
+class View(Displayed, SideBySide):
     """Meshes that can be turned: drag to turn, shift-drag to move, wheel to zoom, R to reset.
 
     Drawn by polyscope on the machine where Python runs, each frame sent to
     the page; without EGL there (macOS, Windows, a bare server) drawn in the page
     itself, by WebGL. Several meshes stand side by side and share one camera.
+    A notebook that is saved keeps a still of what was shown last, for readers without
+    its kernel.
 
     Parameters
     ----------
@@ -67,6 +70,8 @@ class View(SideBySide):
     >>> View(*shapes.knot(), titles="the knot")  # doctest: +SKIP
     """
 
+    _followers: Sequence[Callable[[], object]] = ()
+
     def __init__(
         self,
         V: Any,
@@ -100,11 +105,63 @@ class View(SideBySide):
         self._moved = False  # the camera was, there
         self._on_pick: Callable[[int, int], object] | None = None
         self._backend: Backend = made(backend, self)
+        self._saved = Saved(self.widget, self.state, self.kept)
+        self._followers = [self._saved.changed]
 
     @property
     def widget(self) -> Any:
         """The ipywidget, to put into a layout of one's own."""
         return self._backend.widget
+
+    @property
+    def camera(self) -> Camera:
+        """The camera that sees all panels."""
+        return self._camera
+
+    @camera.setter
+    def camera(self, camera: Camera) -> None:
+        self._camera = camera
+        self._tell()
+
+    def follow(self, function: Callable[[], object]) -> None:
+        """Say what is called after each change of what is shown.
+
+        Parameters
+        ----------
+        function : callable
+            Without arguments, and quick: it is called many times a second.
+        """
+        self._followers = [*self._followers, function]
+
+    def _tell(self) -> None:
+        for function in self._followers:
+            function()
+
+    def state(self) -> tuple[object, ...]:
+        """What is shown, to compare with what was shown before.
+
+        Returns
+        -------
+        tuple
+            Equal to another where both have the same still.
+        """
+        camera = None if self.camera == self._camera_home() else self.camera
+        return (*self.panels, *self.titles, self.label, self.limits, self.cmap, camera)
+
+    def kept(self, note: str = "") -> Bundle:
+        """What a notebook keeps: a still.
+
+        Parameters
+        ----------
+        note : str
+            What stands below it.
+
+        Returns
+        -------
+        dict
+            By MIME type.
+        """
+        return picture(self.still(), described(self.titles, self.label), note)
 
     def update(
         self,
@@ -271,18 +328,10 @@ class View(SideBySide):
         else:
             self._changed.update(panels)
             self._moved = self._moved or moved
+        self._tell()
 
     def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         """The live view, and a still of it for readers without a kernel; or a part of a page."""
         if for_page():
             return {"text/html": self.to_html()}, {}
-        return with_still(self.widget, self)
-
-
-def with_still(widget: Any, view: View) -> tuple[dict[str, Any], dict[str, Any]]:
-    """A widget's display data with a picture beside it, for a page that runs no widgets."""
-    bundle = widget._repr_mimebundle_()
-    data, metadata = bundle if isinstance(bundle, tuple) else (bundle, {})
-    png = io.BytesIO()
-    view.still().save(png, "PNG")
-    return data | {"image/png": png.getvalue()}, metadata
+        return self._saved.bundle()

@@ -53,6 +53,7 @@ function render({ model, el }) {
         await Promise.race([picture.decode().catch(() => {}), pause(200)]);
         if (old) URL.revokeObjectURL(old);
         entitle(panels[k], message.titles[i]);
+        stage.classList.add("drawn"); // the still in the notebook goes: see saved.py
         stage.dataset.frame = message.number;
         stage.dataset.draft = message.draft;
       }),
@@ -61,6 +62,7 @@ function render({ model, el }) {
   const receive = async (message, buffers) => {
     if (message.kind === "error") {
       error.textContent = message.text;
+      panels[0].stage.classList.add("drawn");
       moves.answered();
       return;
     }
