@@ -283,8 +283,10 @@ def opened(browser, path, complaints, **options):
 
 
 def rest(tab):
-    """Two frames, after which what was planned has been drawn."""
+    """Wait until what was planned has been drawn, and drawn well."""
     tab.evaluate("() => new Promise(go => requestAnimationFrame(() => requestAnimationFrame(go)))")
+    stages = "[...document.querySelectorAll('.stage')]"
+    tab.wait_for_function(f"{stages}.every(stage => stage.dataset.draft !== 'true')")
 
 
 def marker(tab):
