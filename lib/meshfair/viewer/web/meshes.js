@@ -67,7 +67,6 @@ const same = (one, other, ...names) => names.every((name) => String(one[name]) =
 class MeshCanvas {
   constructor(stage) {
     this.stage = stage;
-    this.canvas = element("canvas", "", stage);
     this.mesh = null;
     this.buffers = {};
     this.age = 0;
@@ -84,6 +83,8 @@ class MeshCanvas {
    */
   show(mesh) {
     const old = this.mesh;
+    // Not before there is something to draw: a saved notebook shows its still until then.
+    this.canvas ??= element("canvas", "", this.stage);
     const { V, F, parts, edges } = mesh;
     mesh.onFaces = Boolean(parts && 3 * parts.length === F.length && 3 * parts.length !== V.length);
     // Corners that share a vertex are told apart where each face has a value or lines of its own.
@@ -158,7 +159,7 @@ class MeshCanvas {
 
   /** Whether what is shown is not what there is to be seen, or only at a lower density. */
   lacks(camera, density) {
-    const { stage, mesh, seen, canvas } = this;
+    const { stage, mesh, seen } = this;
     if (!mesh || !seen || Painter.one.gl.isContextLost()) return false;
     const shape = `${stage.clientWidth}/${stage.clientHeight}`;
     if (!stage.clientWidth || !stage.clientHeight) return false;
