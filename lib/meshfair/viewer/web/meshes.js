@@ -67,7 +67,6 @@ const same = (one, other, ...names) => names.every((name) => String(one[name]) =
 class MeshCanvas {
   constructor(stage) {
     this.stage = stage;
-    this.canvas = element("canvas", "", stage);
     this.mesh = null;
     this.buffers = {};
     this.age = 0;
@@ -84,6 +83,8 @@ class MeshCanvas {
    */
   show(mesh) {
     const old = this.mesh;
+    // Not before there is something to draw: a saved notebook shows its still until then.
+    this.canvas ??= element("canvas", "", this.stage);
     const { V, F, parts, edges } = mesh;
     mesh.onFaces = Boolean(parts && 3 * parts.length === F.length && 3 * parts.length !== V.length);
     // Corners that share a vertex are told apart where each face has a value or lines of its own.
@@ -158,7 +159,7 @@ class MeshCanvas {
 
   /** Whether what is shown is not what there is to be seen, or only at a lower density. */
   lacks(camera, density) {
-    const { stage, mesh, seen, canvas } = this;
+    const { stage, mesh, seen } = this;
     if (!mesh || !seen || Painter.one.gl.isContextLost()) return false;
     const shape = `${stage.clientWidth}/${stage.clientHeight}`;
     if (!stage.clientWidth || !stage.clientHeight) return false;
@@ -193,6 +194,7 @@ class MeshCanvas {
     this.context.transferFromImageBitmap(painter.canvas.transferToImageBitmap());
     this.changed = false;
     Object.assign(this, { camera, density, shape: `${stage.clientWidth}/${stage.clientHeight}` });
+    this.drawn = performance.now();
     stage.dataset.draft = !well;
     stage.dataset.frame = Number(stage.dataset.frame) + 1;
   }
@@ -327,14 +329,25 @@ class MeshView {
   draw() {
     this.camera ??= this.home;
     if (!this.camera) return;
-    const pictures = this.lacking(0);
-    const cost = pictures.reduce((sum, picture) => sum + (picture.cost ?? 0), 0);
+    const lacking = this.lacking(0);
+    const cost = this.panels.reduce((sum, { picture }) => sum + (picture.cost ?? 0), 0);
     const density = Math.max(COARSEST, finest() * Math.min(1, Math.sqrt(BUDGET / cost)));
+    // Too many for one frame come one after the other.
+    const pictures = cost && density < 1 ? [this.first(lacking)] : lacking;
     // Nothing has moved yet where there is no picture.
     for (const picture of pictures) picture.draw(this.camera, picture.cost ? density : finest());
+    this.latest = pictures.at(-1);
     if (pictures.length) Painter.one.begun();
+    if (pictures.length < lacking.length) this.plan();
     clearTimeout(this.resting);
     if (this.lacking(finest()).length) this.resting = setTimeout(() => this.improve(), REST);
+  }
+
+  /** The picture at hand, and between two of it the others in turn. */
+  first(pictures) {
+    const atHand = pictures.find((picture) => picture.stage === document.activeElement);
+    if (atHand && atHand !== this.latest) return atHand;
+    return pictures.reduce((one, other) => (other.drawn < one.drawn ? other : one));
   }
 
   /** Draw one picture after the other well: moves come between. */
