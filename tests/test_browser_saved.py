@@ -19,6 +19,7 @@ pytestmark = [
 CELLS = {
     "imports": "from meshfair import explorers, shapes, viewer\nV, F = shapes.knot(60, 8)",
     "view": "viewer.View([V, V], F, titles=['one', 'two'])",
+    "webgl": "viewer.View(V, F, backend='webgl')",
     "heat": "explorers.HeatExplorer(V, F, iterations=6)",
     "edge": "explorers.CotangentExplorer()",
     "guess": "explorers.Prediction('How many?', (0, 30))",
@@ -87,7 +88,7 @@ def saved_stills(path):
 
 def check_live(student):
     for name in SHOWN:
-        if name in ("view", "heat"):
+        if name in ("view", "webgl", "heat"):
             student.settle(student.go_to(name))
         found = seen(student, name)
         assert (found["outputs"], found["widgets"], found["stills"]) == (1, 1, []), name

@@ -76,6 +76,12 @@ def pixels(png):
     return np.array(Image.open(io.BytesIO(base64.b64decode(png))).convert("RGBA"))
 
 
+def changed(output, other):
+    """The part of the pixels in which two outputs differ."""
+    one, two = (pixels(o.data["image/png"]) for o in (output, other))
+    return (one != two).any(axis=2).mean()
+
+
 @pytest.mark.parametrize("name", MADE)
 def test_a_notebook_gets_a_still_and_then_the_widget(name):
     shown = MADE[name]()
@@ -162,8 +168,9 @@ def test_the_still_follows_once_nothing_moves(monkeypatch):
     for one in (turned, back, larger):
         assert one.update
         assert one.transient == first.transient
-    assert turned.data["image/png"] != first.data["image/png"]
-    assert back.data == first.data
+    # At a few edges a picture depends on what was drawn before it.
+    assert changed(turned, first) > 0.05
+    assert changed(back, first) < 0.001
     assert larger.data["text/plain"] == "A mesh: larger."
 
 

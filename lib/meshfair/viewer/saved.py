@@ -27,8 +27,8 @@ Bundle = dict[str, Any]
 WIDGET = "application/vnd.jupyter.widget-view+json"
 REST = 2.0  # seconds without a change until the still is drawn anew
 COLORS = 256  # of a still: a third of the bytes of one with all colours
-# In a view that shows a frame, or why not. Changes once: with each change the rules are asked again.
-DRAWN = ".stage.drawn, canvas"
+# In a view that shows a frame, or why not. Changes once: the rules are not asked with each frame.
+DRAWN = ".drawn"
 
 STYLE = """\
 <style>

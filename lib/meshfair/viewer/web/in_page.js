@@ -28,7 +28,7 @@ function render({ model, el }) {
       reset: () => model.send({ kind: "reset" }),
     });
   } catch (failure) {
-    element("span", "error", el).textContent = failure.message;
+    element("span", "error drawn", el).textContent = failure.message;
     return undefined;
   }
   const pulse = new Pulse(model, el, (text) => (view.error.textContent = text));
@@ -38,6 +38,7 @@ function render({ model, el }) {
   const show = (message, buffers) => {
     if (!meshes.length && !message.whole) return; // meant for other pages
     layout.answered();
+    view.panels[0].stage.classList.add("drawn"); // the still in the notebook goes: see saved.py
     view.bar.show(message.bar);
     for (const { panel, title, look, arrays } of message.panels) {
       const found = Object.entries(arrays).map(([kind, k]) => [
