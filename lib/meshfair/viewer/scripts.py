@@ -7,11 +7,13 @@ from importlib.resources import files
 
 EXPORT = "export default { render };\n"
 
-# What a widget runs that draws meshes by itself.
-LIVE = ("stage.js", "camera.js", "painter.js", "meshes.js", "kernel.js", "in_page.js")
+# What draws meshes, in the order in which one needs the other.
+DRAWING = ("stage.js", "camera.js", "painter.js", "picture.js", "meshes.js")
 
-# What the scripts of a page on file are made of; each of the plots is shut off from the others.
-PLAYER = ("stage.js", "camera.js", "painter.js", "meshes.js")
+# What a widget runs that draws meshes by itself.
+LIVE = (*DRAWING, "kernel.js", "in_page.js")
+
+# The plots of a page on file; each is shut off from the others.
 PLOTS = {"renderCurves": "curves.js", "renderCotangents": "cotangents.js"}
 STYLES = ("frames.css", "curves.css", "cotangents.css", "player.css")
 
@@ -50,5 +52,5 @@ def page_files() -> dict[str, str]:
         body, count = re.subn(re.escape(EXPORT), "return render;\n", text(file))
         assert count == 1, file
         plots.append(f"const {name} = (() => {{\n{body}}})();\n")
-    script = "\n".join([text(*PLAYER), *plots, text("player.js")])
+    script = "\n".join([text(*DRAWING), *plots, text("player.js")])
     return {"meshfair.js": f"(() => {{\n{script}}})();\n", "meshfair.css": text(*STYLES)}

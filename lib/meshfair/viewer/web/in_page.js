@@ -1,5 +1,5 @@
-// Draws the meshes that Python sends, and sends back what the pointer does. Behind stage.js,
-// camera.js, painter.js, meshes.js and kernel.js.
+// Draws the meshes that Python sends, and sends back what the pointer does. Behind kernel.js and
+// what draws meshes (scripts.py).
 //
 // To Python:  layout  panel size, and whether this page has no meshes yet
 //             move    the camera's change since the last move, while none is unanswered

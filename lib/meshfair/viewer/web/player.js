@@ -1,6 +1,6 @@
 // What makes a page on file move: meshes, and the states that an explorer's controls go to.
 //
-// Behind stage.js, camera.js, meshes.js, and the plots of curves.js and cotangents.js.
+// Behind what draws meshes (scripts.py) and the plots of curves.js and cotangents.js.
 // What is packed is a header of JSON (recording.py, packing.py) and arrays of whole numbers:
 //   arrays    [kind of numbers, entries, stride, similar arrays, their factors] of each
 //   things    texts, curves, cameras: whatever states name by its number
