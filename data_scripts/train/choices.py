@@ -2,9 +2,9 @@
 
     python data_scripts/train/choices.py [--folder FOLDER] [--examples N]
 
-An example is a noisy mesh with the traits and the true errors of all candidates on it. Half of
-the shapes are of the generators that the learned filter was trained on, but other ones, and
-half of families that it has not seen (`families`). Examples are kept in FOLDER, so that
+An example is a noisy mesh with the traits and the true errors of all candidates on it. A third
+of the shapes are of the generators that the learned filter was trained on, but other ones, and
+the rest of families that it has not seen (`families`). Examples are kept in FOLDER, so that
 what is interrupted goes on where it was.
 """
 
@@ -16,13 +16,14 @@ from pathlib import Path
 
 import numpy as np
 import sklearn
-from examples import KINDS
+from examples import correlated, impulsive, uniform
 from families import family
 from shapes import shape
 from sklearn.ensemble import HistGradientBoostingRegressor
 from tqdm import tqdm
 
-from meshfair import _fast, mesh, metrics
+from meshfair import _fast, mesh, metrics, noise
+from meshfair.checks import Floats, Integers
 from meshfair.denoising import BUILT_IN
 from meshfair.denoising.choice import ALL, FIRST, WORTH, Chooser, ranking
 from meshfair.denoising.forecast import LEAST_ANGLE, Forest
@@ -41,6 +42,21 @@ SOME = 4  # how many candidates of each method alone are among them
 VALIDATED = 5  # every so many-th pair of shapes is held out once, to see how good the choice is
 
 
+def shared(V: Floats, F: Integers, sigma: float, rng: np.random.Generator) -> Floats:
+    """Noise that neighbours share, over a width of its own."""
+    return noise.correlated(V, F, sigma, rng, int(rng.integers(1, 9)))
+
+
+KINDS = {
+    noise.along_normals: 0.2,
+    noise.gaussian: 0.2,
+    uniform: 0.1,
+    impulsive: 0.2,
+    correlated: 0.15,
+    shared: 0.15,
+}
+
+
 def example(number: int, folder: Path) -> Path:
     """Make an example, if it is not there: traits and errors of all candidates."""
     path = folder / f"{number}.npz"
@@ -48,8 +64,8 @@ def example(number: int, folder: Path) -> Path:
         return path
     _fast.FILTER_ROWS = 0  # the loops are loaded anyway
     rng = np.random.default_rng([11, number])
-    V, F = family(number // 2) if number % 2 else shape(UNSEEN + number // 2)
-    kind = list(KINDS)[rng.integers(len(KINDS))]
+    V, F = family(number - number // 3 - 1) if number % 3 else shape(UNSEEN + number // 3)
+    kind = list(KINDS)[rng.choice(len(KINDS), p=np.array(list(KINDS.values())))]
     size = rng.uniform(0.02, 0.15) if rng.random() < FINE else rng.uniform(0.05, 0.75)
     V_noisy = kind(V, F, 0.0 if rng.random() < CLEAN else size, rng)
     height = np.sum((V_noisy - V) * mesh.vertex_normals(V, F), axis=1)
