@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from meshfair.checks import Booleans, Floats, Integers, MeshError
-from meshfair.denoising.forecast import forecast
+from meshfair.denoising.forecast import Forecast, forecast
 from meshfair.denoising.registry import (
     BUILT_IN,
     Parameters,
@@ -41,15 +41,31 @@ REFERENCES: tuple[tuple[str, Parameters], ...] = (
 WHOLE = 4_000
 """Faces up to which a mesh is tried whole; of a larger one `PATCHES` patches are."""
 PATCHES, PATCH = 4, 800
-# What another choice than the usual one has to promise more, in log ratio; and what a gain of a
-# decibel is worth: of choices that leave the normals alike, the one nearer to the true place.
-MARGIN, WORTH = 0.03, 0.05
 # Of what the learned filter takes away: mean size over root mean square, which is below this for
 # noise on some vertices in 19 of 20 of training's meshes, and for other noise in 1 of 20; and
 # the correlation of neighbours, above this for correlated noise in 3 of 4, for other in 1 of 10.
 SPARSE, CORRELATED = 0.72, 0.1
 FIRST = "learned"
 """The method that is chosen where nothing speaks for another."""
+
+
+class Rule(NamedTuple):
+    """How forecasts are weighed against each other."""
+
+    margin: float
+    """What another choice than the usual one has to promise more, in log ratio."""
+    worth: float
+    """What a decibel is worth: of choices that leave the normals alike, the one nearer to
+    the true place."""
+    least_gain: float
+    """Decibels: what promises less is not chosen. A filter that flattens detail, which it takes
+    for noise, moves the vertices away from the truth, however good its normals look."""
+
+
+# By training's meshes, families of shapes left out: what leaves the least error. Who names
+# averaging wants it, though it shrinks; but its forecasts alone are trusted less.
+AMONG_ALL = Rule(margin=0.1, worth=0.05, least_gain=0.25)
+OF_ONE = Rule(margin=0.25, worth=0, least_gain=-np.inf)
 
 
 class Candidate(NamedTuple):
@@ -153,8 +169,8 @@ class Chooser:
         untouched = np.array([c.X is self.V for c in candidates])
         usual = FIRST if len(names) > 1 else names[0]
         is_usual = np.array([c.stop is None and c.method == usual for c in candidates])
-        worth = WORTH if len(names) > 1 else 0  # who names averaging wants it, though it shrinks
-        score = ranking(expected.log_ratio, worth * expected.gain, untouched, is_usual)
+        rule = AMONG_ALL if len(names) > 1 else OF_ONE
+        score = ranking(expected, untouched, is_usual, rule)
         ratio = np.where(untouched, 1, expected.ratio)
         return [
             Choice(c.method, c.parameters, c.stop, float(ratio[k]), self._reason(c, ratio[k]))
@@ -163,7 +179,7 @@ class Chooser:
         ]
 
     def candidates(self, names: Sequence[str]) -> list[Candidate]:
-        """Try all candidates of some methods; those those of one alone at more of their steps.
+        """Try all candidates of some methods.
 
         Parameters
         ----------
@@ -258,28 +274,29 @@ class Chooser:
         return f"noise of {size:.2g} edges{kind}; {ratio:.0%} of the error should be left"
 
 
-def ranking(log_ratio: Floats, bonus: Floats, untouched: Booleans, usual: Booleans) -> Floats:
+def ranking(expected: Forecast, untouched: Booleans, usual: Booleans, rule: Rule) -> Floats:
     """What candidates are ranked by, the least first.
 
     Parameters
     ----------
-    log_ratio : ndarray of float64, shape (r,)
-        See `meshfair.denoising.forecast.Forecast`.
-    bonus : ndarray of float64, shape (r,)
-        What is taken off for other merits.
+    expected : Forecast
+        Of r candidates.
     untouched : ndarray of bool, shape (r,)
         Which ones are the noisy mesh itself.
     usual : ndarray of bool, shape (r,)
         Which ones are of the method that is chosen where nothing speaks for another;
         the first one of them, with its defaults, counts.
+    rule : Rule
 
     Returns
     -------
     ndarray of float64, shape (r,)
+        Infinite for what is not to be chosen.
     """
-    score = log_ratio - bonus
+    score = expected.log_ratio - rule.worth * expected.gain
+    score[expected.gain < rule.least_gain] = np.inf
     score[untouched] = 0
-    score[np.flatnonzero(usual)[:1]] -= MARGIN
+    score[np.flatnonzero(usual)[:1]] -= rule.margin
     return score
 
 
