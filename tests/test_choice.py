@@ -83,25 +83,24 @@ def test_traits_do_not_depend_on_place_scale_and_order():
     assert np.isfinite(here).all()
 
 
-RULE = Rule(margin=0.03, worth=0.5, least_gain=-2)
-
-
-def ranked(log_ratio, gain, untouched=2, usual=0):
+def ranked(log_ratio, gain, rule):
+    """Of candidates of which the third is the noisy mesh, and the first the usual one."""
     k = np.arange(len(log_ratio))
     expected = Forecast(np.array(log_ratio), np.array(gain, float))
-    return ranking(expected, k == untouched, k == usual, RULE)
+    return ranking(expected, k == 2, k == 0, rule)
 
 
 def test_ranking_by_hand():
     # A margin for the usual one; the noisy mesh has 0; a decibel is worth 0.5.
-    score = ranked([-1.0, -1.01, 5.0, -1.2], [0, 0, 0, -2])
+    rule = Rule(margin=0.03, worth=0.5, doubt=0, sure_gain=0)
+    score = ranked([-1.0, -1.01, 5.0, -1.2], [0, 0, 0, -2], rule)
     np.testing.assert_allclose(score, [-1.03, -1.01, 0, -0.2])
 
 
-def test_what_loses_decibels_is_not_chosen_however_good_its_normals_look():
-    score = ranked([-3.0, -3.0, 5.0, -0.1], [-2.1, -2.1, 0, 0])
-    np.testing.assert_allclose(score, [np.inf, np.inf, 0, -0.1])
-    assert ranked([-3.0, -3.0, 5.0], [-2.1, -9, -9]).argmin() == 2  # the noisy mesh is left
+def test_the_less_the_gain_in_decibels_the_less_are_good_normals_believed():
+    rule = Rule(margin=0, worth=0, doubt=0.2, sure_gain=3)
+    score = ranked([-2.0, -1.0, 5.0, -1.0, -2.0], [-9, 5, -9, 2, 3], rule)
+    np.testing.assert_allclose(score, [-2 + 12 * 0.2, -1, 0, -0.8, -2])
 
 
 def test_a_large_mesh_is_tried_in_patches():
@@ -164,7 +163,7 @@ def test_what_nothing_helps_is_left_as_it_is(monkeypatch):
 def test_the_front_leaves_what_would_lose_decibels(monkeypatch, method, left):
     # Who names averaging wants it, though it shrinks; who names nothing shall not lose by it.
     V_noisy, _, F = noisy_torus()
-    flattened = Forecast(np.full(200, -2.0), np.full(200, -1.0))
+    flattened = Forecast(np.full(200, -1.0), np.full(200, -5.0))
     monkeypatch.setattr(
         "meshfair.denoising.choice.forecast", lambda X: Forecast(*(a[: len(X)] for a in flattened))
     )

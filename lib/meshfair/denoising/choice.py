@@ -57,15 +57,17 @@ class Rule(NamedTuple):
     worth: float
     """What a decibel is worth: of choices that leave the normals alike, the one nearer to
     the true place."""
-    least_gain: float
-    """Decibels: what promises less is not chosen. A filter that flattens detail, which it takes
-    for noise, moves the vertices away from the truth, however good its normals look."""
+    doubt: float
+    """What is added for each decibel that a promise is short of `sure_gain`. A filter that takes
+    detail for noise moves the vertices away from the truth, however good its normals look."""
+    sure_gain: float
+    """Decibels from which on there is no doubt."""
 
 
-# By training's meshes, families of shapes left out: what leaves the least error. Who names
-# averaging wants it, though it shrinks; but its forecasts alone are trusted less.
-AMONG_ALL = Rule(margin=0.1, worth=0.05, least_gain=0.25)
-OF_ONE = Rule(margin=0.25, worth=0, least_gain=-np.inf)
+# By training's meshes, families of shapes left out: what does least harm, and leaves the least
+# error. Who names averaging wants it, though it shrinks; but its forecasts alone are worth less.
+AMONG_ALL = Rule(margin=0.1, worth=0.05, doubt=0.2, sure_gain=3)
+OF_ONE = Rule(margin=0.25, worth=0, doubt=0, sure_gain=0)
 
 
 class Candidate(NamedTuple):
@@ -291,10 +293,9 @@ def ranking(expected: Forecast, untouched: Booleans, usual: Booleans, rule: Rule
     Returns
     -------
     ndarray of float64, shape (r,)
-        Infinite for what is not to be chosen.
     """
-    score = expected.log_ratio - rule.worth * expected.gain
-    score[expected.gain < rule.least_gain] = np.inf
+    short = np.maximum(0, rule.sure_gain - expected.gain)
+    score = expected.log_ratio - rule.worth * expected.gain + rule.doubt * short
     score[untouched] = 0
     score[np.flatnonzero(usual)[:1]] -= rule.margin
     return score
