@@ -67,7 +67,7 @@ class Rule(NamedTuple):
 # By training's meshes, families of shapes left out: what does least harm, and leaves the least
 # error. Who names averaging wants it, though it shrinks; but its forecasts alone are worth less.
 AMONG_ALL = Rule(margin=0.1, worth=0.05, doubt=0.2, sure_gain=3)
-OF_ONE = Rule(margin=0.25, worth=0, doubt=0, sure_gain=0)
+OF_ONE = Rule(margin=0.2, worth=0, doubt=0, sure_gain=0)
 
 
 class Candidate(NamedTuple):
