@@ -27,7 +27,7 @@ from tqdm import tqdm
 from meshfair import _fast, mesh, metrics, noise
 from meshfair.checks import Floats, Integers
 from meshfair.denoising import BUILT_IN
-from meshfair.denoising.choice import ALL, AMONG_ALL, FIRST, OF_ONE, Chooser, Rule, ranking
+from meshfair.denoising.choice import ALL, AMONG_ALL, FIRST, Chooser, Rule, ranking, rule_of
 from meshfair.denoising.forecast import LEAST_ANGLE, Forecast, Forest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -191,7 +191,7 @@ def report_choices(examples: list[Example]) -> None:
             regret["choice"].append(angles[row] / best)
             worse, lost = worse + (e.angles[row] > 1.01 * e.before), lost + (e.gain[row] < -0.1)
             for name in BUILT_IN:
-                own = e.chosen(expected, [name], OF_ONE, name)
+                own = e.chosen(expected, [name], rule_of(name), name)
                 regret[name].append(angles[own] / angles[e.default(name)])
             count += 1
     print(f"{count} examples of families held out; angle over the best default's, or the own:")
