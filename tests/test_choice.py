@@ -8,8 +8,9 @@ import pytest
 import meshfair
 from meshes import grid
 from meshfair import denoising, metrics, noise, shapes
-from meshfair.denoising.choice import PATCH, PATCHES, WHOLE, Chooser, Rule, ranking, sample
+from meshfair.denoising.choice import PATCH, PATCHES, WHOLE, Chooser, sample
 from meshfair.denoising.forecast import Forecast, Forest, forests
+from meshfair.denoising.rules import Rule, ranking
 from meshfair.denoising.traits import Traits
 from meshfair.experiments import choices
 

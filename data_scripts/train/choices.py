@@ -27,8 +27,9 @@ from tqdm import tqdm
 from meshfair import _fast, mesh, metrics, noise
 from meshfair.checks import Floats, Integers
 from meshfair.denoising import BUILT_IN
-from meshfair.denoising.choice import ALL, AMONG_ALL, FIRST, Chooser, Rule, ranking, rule_of
+from meshfair.denoising.choice import ALL, FIRST, Chooser
 from meshfair.denoising.forecast import LEAST_ANGLE, Forecast, Forest
+from meshfair.denoising.rules import AMONG_ALL, Rule, ranking, rule_of
 
 ROOT = Path(__file__).resolve().parents[2]
 WEIGHTS = ROOT / "lib" / "meshfair" / "denoising" / "forecast.npz"
