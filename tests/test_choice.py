@@ -8,8 +8,9 @@ import pytest
 import meshfair
 from meshes import grid
 from meshfair import denoising, metrics, noise, shapes
-from meshfair.denoising.choice import PATCH, PATCHES, WHOLE, Chooser, ranking, sample
-from meshfair.denoising.forecast import Forest, forests
+from meshfair.denoising.choice import PATCH, PATCHES, WHOLE, Chooser, sample
+from meshfair.denoising.forecast import Forecast, Forest, forests
+from meshfair.denoising.rules import Rule, ranking
 from meshfair.denoising.traits import Traits
 from meshfair.experiments import choices
 
@@ -83,11 +84,24 @@ def test_traits_do_not_depend_on_place_scale_and_order():
     assert np.isfinite(here).all()
 
 
+def ranked(log_ratio, gain, rule):
+    """Of candidates of which the third is the noisy mesh, and the first the usual one."""
+    k = np.arange(len(log_ratio))
+    expected = Forecast(np.array(log_ratio), np.array(gain, float))
+    return ranking(expected, k == 2, k == 0, rule)
+
+
 def test_ranking_by_hand():
-    log_ratio, bonus = np.array([-1.0, -1.01, 5.0, -1.2]), np.array([0.0, 0, 0, -1.1])
-    untouched, usual = np.array([0, 0, 1, 0], bool), np.array([1, 0, 0, 0], bool)
-    score = ranking(log_ratio, bonus, untouched, usual)
-    np.testing.assert_allclose(score, [-1.03, -1.01, 0, -0.1])  # a margin; the noisy mesh has 0
+    # A margin for the usual one; the noisy mesh has 0; a decibel is worth 0.5.
+    rule = Rule(margin=0.03, worth=0.5, doubt=0, sure_gain=0)
+    score = ranked([-1.0, -1.01, 5.0, -1.2], [0, 0, 0, -2], rule)
+    np.testing.assert_allclose(score, [-1.03, -1.01, 0, -0.2])
+
+
+def test_the_less_the_gain_in_decibels_the_less_are_good_normals_believed():
+    rule = Rule(margin=0, worth=0, doubt=0.2, sure_gain=3)
+    score = ranked([-2.0, -1.0, 5.0, -1.0, -2.0], [-9, 5, -9, 2, 3], rule)
+    np.testing.assert_allclose(score, [-2 + 12 * 0.2, -1, 0, -0.8, -2])
 
 
 def test_a_large_mesh_is_tried_in_patches():
@@ -144,6 +158,18 @@ def test_what_nothing_helps_is_left_as_it_is(monkeypatch):
     again = meshfair.denoise(V_noisy, F, result.method, **result.parameters)
     np.testing.assert_array_equal(again.V, V_noisy)
     assert np.isfinite(rows[0][:, :-2]).all()  # but for the noise size, which is not known
+
+
+@pytest.mark.parametrize(("method", "left"), [("auto", True), ("averaging", False)])
+def test_the_front_leaves_what_would_lose_decibels(monkeypatch, method, left):
+    # Who names averaging wants it, though it shrinks; who names nothing shall not lose by it.
+    V_noisy, _, F = noisy_torus()
+    flattened = Forecast(np.full(200, -1.0), np.full(200, -5.0))
+    monkeypatch.setattr(
+        "meshfair.denoising.choice.forecast", lambda X: Forecast(*(a[: len(X)] for a in flattened))
+    )
+    result = meshfair.denoise(V_noisy, F, method, parameters="auto")
+    assert np.array_equal(result.V, V_noisy) == left
 
 
 def test_a_known_noise_size_is_among_the_traits():

@@ -2,43 +2,70 @@
 
     python data_scripts/train/choices.py [--folder FOLDER] [--examples N]
 
-An example is a noisy mesh with the traits and the true errors of all candidates on it. Half of
-the shapes are of the generators that the learned filter was trained on, but other ones, and
-half of families that it has not seen (`families`). Examples are kept in FOLDER, so that
+An example is a noisy mesh with the traits and the true errors of all candidates on it. A third
+of the shapes are of the generators that the learned filter was trained on, but other ones, and
+the rest of families that it has not seen (`families`). Examples are kept in FOLDER, so that
 what is interrupted goes on where it was.
 """
 
 import argparse
 import subprocess
+from collections.abc import Sequence
 from functools import partial
+from itertools import product
 from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
 import sklearn
-from examples import KINDS
-from families import family
+from examples import correlated, impulsive, uniform
+from families import FAMILIES, family
 from shapes import shape
 from sklearn.ensemble import HistGradientBoostingRegressor
 from tqdm import tqdm
 
-from meshfair import _fast, mesh, metrics
+from meshfair import _fast, mesh, metrics, noise
+from meshfair.checks import Floats, Integers
 from meshfair.denoising import BUILT_IN
-from meshfair.denoising.choice import ALL, FIRST, WORTH, Chooser, ranking
-from meshfair.denoising.forecast import LEAST_ANGLE, Forest
+from meshfair.denoising.choice import ALL, FIRST, Chooser
+from meshfair.denoising.forecast import LEAST_ANGLE, Forecast, Forest
+from meshfair.denoising.rules import AMONG_ALL, Rule, ranking, rule_of
 
 ROOT = Path(__file__).resolve().parents[2]
 WEIGHTS = ROOT / "lib" / "meshfair" / "denoising" / "forecast.npz"
 FIGURES = ROOT / "tests" / "forecast.npz"  # what scikit-learn makes of some rows, for the tests
 UNSEEN = 100_000  # the first number of a shape that the learned filter was not trained on
-EXAMPLES = 1_200
+EXAMPLES = 900
 CLEAN, FINE = 0.03, 0.5  # shares of examples without noise, and with little
 KNOWN = 0.4  # share of the examples whose noise size is known
 SHARP = 2.5  # how much more the best candidates count: exp(-SHARP * log ratio)
-TREES = {"log_ratio": 350, "gain": 150}
+MODELS = 4  # so many, on other rows each, err less together than one alone
+TREES = {"log_ratio": 200, "gain": 120}  # in each model
+BEST, OTHERS = 14, 14  # how many candidates of an example a model sees
+NOISE_TRAITS = 2  # the last ones are of the noise size
 HIGHEST = 100.0  # dB: a clean mesh has an SNR without bound
-SOME = 4  # how many candidates of each method alone are among them
-VALIDATED = 5  # every so many-th pair of shapes is held out once, to see how good the choice is
+LOG_RATIOS, GAINS = (-4, 2), (-30, 15)  # what lies beyond counts as these
+FOLDS = 4  # so often are trees fitted without some families, to see how good the choice is
+
+
+def shared(V: Floats, F: Integers, sigma: float, rng: np.random.Generator) -> Floats:
+    """Noise that neighbours share, over a width of its own."""
+    return noise.correlated(V, F, sigma, rng, int(rng.integers(1, 9)))
+
+
+KINDS = {
+    noise.along_normals: 0.2,
+    noise.gaussian: 0.2,
+    uniform: 0.1,
+    impulsive: 0.2,
+    correlated: 0.15,
+    shared: 0.15,
+}
+
+
+def of_family(number: int) -> int:
+    """The number of an example's shape, where it is one of the families."""
+    return number - number // 3 - 1
 
 
 def example(number: int, folder: Path) -> Path:
@@ -48,17 +75,14 @@ def example(number: int, folder: Path) -> Path:
         return path
     _fast.FILTER_ROWS = 0  # the loops are loaded anyway
     rng = np.random.default_rng([11, number])
-    V, F = family(number // 2) if number % 2 else shape(UNSEEN + number // 2)
-    kind = list(KINDS)[rng.integers(len(KINDS))]
+    V, F = family(of_family(number)) if number % 3 else shape(UNSEEN + number // 3)
+    kind = list(KINDS)[rng.choice(len(KINDS), p=np.array(list(KINDS.values())))]
     size = rng.uniform(0.02, 0.15) if rng.random() < FINE else rng.uniform(0.05, 0.75)
     V_noisy = kind(V, F, 0.0 if rng.random() < CLEAN else size, rng)
     height = np.sum((V_noisy - V) * mesh.vertex_normals(V, F), axis=1)
     actual = float(np.sqrt(np.mean(height**2)) / mesh.mean_edge_length(V, F))
     chooser = Chooser(V_noisy, F, {}, actual if rng.random() < KNOWN else None, lambda part: None)
-    candidates = chooser.candidates(ALL)
-    for name in BUILT_IN:
-        others = chooser.candidates([name])
-        candidates += [others[k] for k in rng.permutation(len(others))[:SOME]]
+    candidates = chooser.candidates(BUILT_IN)
     V = V[chooser.vertices]
     tried = [chooser.V, *(c.X for c in candidates)]
     new = folder / f"{number}.new.npz"
@@ -67,7 +91,8 @@ def example(number: int, folder: Path) -> Path:
         rows=chooser.rows(candidates).astype(np.float32),
         angles=[metrics.normal_angle(X, V, chooser.F) for X in tried],
         ratios=[metrics.snr(V, X) for X in tried],
-        usual=[c.stop is None and c.method == FIRST for c in candidates],
+        methods=[c.method for c in candidates],
+        ended=[c.stop is None for c in candidates],
         untouched=[c.X is chooser.V for c in candidates],
     )
     new.replace(path)
@@ -83,73 +108,120 @@ class Example:
             self.rows = file["rows"].astype(float)
             before, self.angles = file["angles"][0], file["angles"][1:]
             ratios = np.minimum(file["ratios"], HIGHEST)
-            self.untouched, self.usual = file["untouched"], file["usual"]
+            self.untouched, self.methods = file["untouched"], file["methods"]
+            self.ended = file["ended"]
         self.before = float(before)
-        self.log_ratio = np.log((self.angles + LEAST_ANGLE) / (before + LEAST_ANGLE))
-        self.gain = np.clip(ratios[1:] - ratios[0], -30, 15)
+        log_ratio = np.log((self.angles + LEAST_ANGLE) / (before + LEAST_ANGLE))
+        self.log_ratio = np.clip(log_ratio, *LOG_RATIOS)
+        self.gain = np.clip(ratios[1:] - ratios[0], *GAINS)
         near = np.exp(-SHARP * (self.log_ratio - self.log_ratio.min())) + 0.05
         self.weight = near / near.sum()
 
+    def kept(self, rng: np.random.Generator) -> Integers:
+        """Rows for one model: the best ones, and some of the others."""
+        order = np.argsort(self.log_ratio, kind="stable")
+        return np.concatenate([order[:BEST], rng.permutation(order[BEST:])[:OTHERS]])
 
-Trees = dict[str, HistGradientBoostingRegressor]
+    def without_noise_size(self) -> Floats:
+        """The rows, as they are where the noise size is not known."""
+        rows = self.rows.copy()
+        rows[:, -NOISE_TRAITS:] = np.nan
+        return rows
+
+    def default(self, method: str) -> int:
+        """The row of a method's defaults: the first that has run to its end."""
+        return int(np.flatnonzero((self.methods == method) & self.ended)[0])
+
+    def chosen(self, expected: Forecast, methods: Sequence[str], rule: Rule, usual: str) -> int:
+        """The row that a rule chooses among some methods."""
+        score = ranking(expected, self.untouched, (self.methods == usual) & self.ended, rule)
+        score[~np.isin(self.methods, methods)] = np.inf
+        return int(score.argmin())
+
+
+Trees = dict[str, list[HistGradientBoostingRegressor]]
 
 
 def fitted(examples: list[Example]) -> Trees:
-    """Trees for both numbers of a `Forecast`."""
-    rows = np.concatenate([e.rows for e in examples])
-    weight = np.concatenate([e.weight for e in examples])
-    trees: Trees = {}
-    for name, count in TREES.items():
-        trees[name] = HistGradientBoostingRegressor(
+    """Trees for both numbers of a `Forecast`: of each some models, whose mean it is."""
+    trees: Trees = {name: [] for name in TREES}
+    for seed, (name, count) in product(range(MODELS), TREES.items()):
+        model = HistGradientBoostingRegressor(
             max_iter=count,
-            learning_rate=0.06,
+            learning_rate=0.08,
             max_leaf_nodes=12,
-            min_samples_leaf=30,
+            min_samples_leaf=20,
             l2_regularization=2.0,
-            max_features=0.2,
-            random_state=0,
+            max_features=0.15,
+            max_bins=63,
+            random_state=seed,
         )
-        wanted = np.concatenate([getattr(e, name) for e in examples])
-        trees[name].fit(rows, np.clip(wanted, -30, 15), weight * len(weight) / weight.sum())
+        rng = np.random.default_rng(seed)
+        kept = [e.kept(rng) for e in examples]
+        pairs = list(zip(examples, kept, strict=True))
+        rows = np.concatenate([e.rows[k] for e, k in pairs])
+        wanted = np.concatenate([getattr(e, name)[k] for e, k in pairs])
+        weight = np.concatenate([e.weight[k] / e.weight[k].sum() for e, k in pairs])
+        model.fit(rows, wanted, weight * len(weight) / weight.sum())
+        trees[name].append(model)
     return trees
 
 
-def report_choices(trees: Trees, examples: list[Example]) -> None:
-    """Print how far the choice is from the best candidate, on examples that were held out."""
-    regret, regret_of_usual, worse = [], [], 0
-    for e in examples:
-        expected = {name: model.predict(e.rows) for name, model in trees.items()}
-        score = ranking(expected["log_ratio"], WORTH * expected["gain"], e.untouched, e.usual)
-        chosen, best = score.argmin(), e.angles.min() + LEAST_ANGLE
-        regret.append((e.angles[chosen] + LEAST_ANGLE) / best)
-        regret_of_usual.append((e.angles[e.usual.argmax()] + LEAST_ANGLE) / best)
-        worse += e.angles[chosen] > 1.01 * e.before
-    for name, found in (("choice", regret), (FIRST, regret_of_usual)):
+def predicted(trees: Trees, rows: Floats) -> Forecast:
+    """What the trees say of rows of traits."""
+    return Forecast(*(np.mean([m.predict(rows) for m in trees[n]], axis=0) for n in TREES))
+
+
+def fold_of(number: int) -> int:
+    """The fold in which an example is held out, with its whole family; -1: in none."""
+    return of_family(number) % len(FAMILIES) % FOLDS if number % 3 else -1
+
+
+def report_choices(examples: list[Example]) -> None:
+    """Print how far choices are from the best default, on families that were held out."""
+    regret: dict[str, list[float]] = {"choice": [], **{name: [] for name in BUILT_IN}}
+    worse, lost, count = 0, 0, 0
+    for fold in range(FOLDS):
+        trees = fitted([e for e in examples if fold_of(e.number) != fold])
+        for e in examples:
+            if fold_of(e.number) != fold:
+                continue
+            expected, angles = predicted(trees, e.without_noise_size()), e.angles + LEAST_ANGLE
+            best = min(angles[e.default(name)] for name in BUILT_IN)
+            row = e.chosen(expected, ALL, AMONG_ALL, FIRST)
+            regret["choice"].append(angles[row] / best)
+            worse, lost = worse + (e.angles[row] > 1.01 * e.before), lost + (e.gain[row] < -0.1)
+            for name in BUILT_IN:
+                own = e.chosen(expected, [name], rule_of(name), name)
+                regret[name].append(angles[own] / angles[e.default(name)])
+            count += 1
+    print(f"{count} examples of families held out; angle over the best default's, or the own:")
+    for name, found in regret.items():
         print(
-            f"{name}: angle over the best candidate's, {len(found)} examples held out: median "
-            f"{np.median(found):.3f}, 90 % {np.quantile(found, 0.9):.3f}, worst {max(found):.2f}"
+            f"{name}: median {np.median(found):.3f}, mean {np.exp(np.log(found).mean()):.3f}, up "
+            f"to 1.05 in {np.mean(np.array(found) <= 1.05):.1%}, worst {max(found):.2f}"
         )
-    print(f"worse than the noisy mesh by more than 1 %: {worse}")
+    print(f"choice worse than the noisy mesh: angle by 1 % in {worse}, SNR by 0.1 dB in {lost}")
 
 
 def export(trees: Trees, count: int) -> None:
     """Write the trees and their record, and figures for the tests."""
     arrays = {}
-    for name, model in trees.items():
-        nodes = [tree.nodes for (tree,) in model._predictors]
+    for name, models in trees.items():
+        nodes = [tree.nodes for model in models for (tree,) in model._predictors]
         ends = np.cumsum([0, *map(len, nodes)])
         first = np.repeat(ends[:-1], np.diff(ends))
         all_nodes = np.concatenate(nodes)
         leaf = all_nodes["is_leaf"].astype(bool)
         columns = {
-            "start": np.ravel(model._baseline_prediction)[0],
+            "start": np.mean([model._baseline_prediction for model in models]),
             "roots": ends[:-1].astype(np.int32),
             "feature": np.where(leaf, -1, all_nodes["feature_idx"]).astype(np.int16),
             "threshold": np.where(leaf, 0, all_nodes["num_threshold"]),
             "left": np.where(leaf, 0, all_nodes["left"] + first).astype(np.int32),
             "right": np.where(leaf, 0, all_nodes["right"] + first).astype(np.int32),
             "unknown_left": all_nodes["missing_go_to_left"].astype(np.int8),
-            "value": np.where(leaf, all_nodes["value"], 0),
+            "value": np.where(leaf, all_nodes["value"] / len(models), 0).astype(np.float32),
         }
         arrays |= {f"{name}/{field}": columns[field] for field in Forest._fields}
     commit = subprocess.run(
@@ -157,7 +229,7 @@ def export(trees: Trees, count: int) -> None:
     )
     record = {
         "commit": commit.stdout.strip(),
-        "seed": "each example's own number; 0 for the trees",
+        "seed": "each example's own number; 0 to 3 for the trees",
         "data": f"{count} noisy procedural shapes",
         "scikit-learn": sklearn.__version__,
     }
@@ -176,13 +248,11 @@ def main() -> None:
         numbers = range(options.examples)
         paths = list(tqdm(pool.imap_unordered(make, numbers), "examples", options.examples))
     examples = sorted(map(Example, paths), key=lambda e: e.number)
-    held_out = [e for e in examples if e.number // 2 % VALIDATED == 0]
-    report_choices(fitted([e for e in examples if e.number // 2 % VALIDATED]), held_out)
+    report_choices(examples)
     trees = fitted(examples)
     export(trees, len(examples))
-    rows = np.concatenate([e.rows[:2] for e in held_out[:20]])
-    figures = {name: model.predict(rows) for name, model in trees.items()}
-    np.savez_compressed(FIGURES, rows=rows, **figures)
+    rows = np.concatenate([e.rows[:2] for e in examples[:20]])
+    np.savez_compressed(FIGURES, rows=rows, **predicted(trees, rows)._asdict())
 
 
 if __name__ == "__main__":

@@ -3,13 +3,14 @@
 import manifold3d as m3
 import numpy as np
 from arrays import Mesh, compact, triangles
+from reliefs import RELIEFS, with_relief
 from scipy.spatial import ConvexHull
 from skimage.measure import marching_cubes
 from tessellations import WAYS, cut, isotropic, subdivided
 
 from meshfair import shapes
 
-FACES = 800, 4_000  # the least and the most that are asked for
+FACES = 600, 2_500  # the least and the most that are asked for
 FEWEST, MOST = 300, 6_000  # what may come of it
 
 
@@ -139,16 +140,34 @@ def jets(rng: np.random.Generator) -> Mesh:
     return triangles(body)
 
 
+def bristles(rng: np.random.Generator) -> Mesh:
+    """A plump or a flat body with many rods, that stick out or lie along it."""
+    size = rng.uniform(0.3, 1.2, 3)
+    body = m3.Manifold.cube(2 * size, True) if rng.random() < 0.5 else m3.Manifold.sphere(1, 48)
+    body = body if rng.random() < 0.5 else body.scale(size)
+    lying, sides = rng.random() < 0.5, int(rng.choice([4, 6, 8, 16]))
+    radius, length = rng.uniform(0.04, 0.12), rng.uniform(0.5, 1.5)
+    for _ in range(rng.integers(3, 13)):
+        rod = m3.Manifold.cylinder(length, radius, radius * rng.choice([0.4, 1, 1]), sides, True)
+        way = (0.0, 90.0, 0.0) if lying else tuple(rng.uniform(-180, 180, 3))
+        place = rng.normal(size=3)
+        place *= size / np.linalg.norm(place) * (1 + radius if lying else 1)
+        body += rod.rotate(way).translate(tuple(place))
+    return triangles(max(body.decompose(), key=lambda part: part.surface_area()))
+
+
 AS_THEY_ARE = terrain, tube
 SMOOTH = superquadric, minimal, carved
-FAMILIES = (polyhedron, prism, turned, jets, *SMOOTH, *AS_THEY_ARE)
+PLAIN = (polyhedron, prism, turned, jets, bristles, *SMOOTH, *AS_THEY_ARE)
+FAMILIES = (*PLAIN, *RELIEFS)
 
 
 def family(number: int) -> Mesh:
-    """A shape of one of the families, from its number."""
+    """A shape of one of the families, from its number; a relief is on one of the plain ones."""
     for attempt in range(50):
         rng = np.random.default_rng([7, number, attempt])
-        make = FAMILIES[number % len(FAMILIES)]
+        made = FAMILIES[number % len(FAMILIES)]
+        make = PLAIN[rng.integers(len(PLAIN))] if made in RELIEFS else made
         V, F = make(rng)
         if make not in AS_THEY_ARE:
             way = list(WAYS)[rng.choice(len(WAYS), p=np.array(list(WAYS.values())))]
@@ -158,5 +177,5 @@ def family(number: int) -> Mesh:
         if rng.random() < 0.1:
             V, F = cut(V, F, rng)
         if FEWEST <= len(F) <= MOST:
-            return V, F
+            return (with_relief(made, V, F, rng) if made in RELIEFS else V), F
     raise RuntimeError(f"shape {number} has not come about in 50 attempts")

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from meshfair.checks import Booleans, Floats, Integers, MeshError
+from meshfair.checks import Floats, Integers, MeshError
 from meshfair.denoising.forecast import forecast
 from meshfair.denoising.registry import (
     BUILT_IN,
@@ -23,6 +23,7 @@ from meshfair.denoising.registry import (
     same,
     with_noise,
 )
+from meshfair.denoising.rules import AMONG_ALL, ranking, rule_of
 from meshfair.denoising.traits import Traits
 from meshfair.mesh import face_shapes, mean_edge_length
 from meshfair.solve import SolveError
@@ -41,9 +42,6 @@ REFERENCES: tuple[tuple[str, Parameters], ...] = (
 WHOLE = 4_000
 """Faces up to which a mesh is tried whole; of a larger one `PATCHES` patches are."""
 PATCHES, PATCH = 4, 800
-# What another choice than the usual one has to promise more, in log ratio; and what a gain of a
-# decibel is worth: of choices that leave the normals alike, the one nearer to the true place.
-MARGIN, WORTH = 0.03, 0.05
 # Of what the learned filter takes away: mean size over root mean square, which is below this for
 # noise on some vertices in 19 of 20 of training's meshes, and for other noise in 1 of 20; and
 # the correlation of neighbours, above this for correlated noise in 3 of 4, for other in 1 of 10.
@@ -153,8 +151,8 @@ class Chooser:
         untouched = np.array([c.X is self.V for c in candidates])
         usual = FIRST if len(names) > 1 else names[0]
         is_usual = np.array([c.stop is None and c.method == usual for c in candidates])
-        worth = WORTH if len(names) > 1 else 0  # who names averaging wants it, though it shrinks
-        score = ranking(expected.log_ratio, worth * expected.gain, untouched, is_usual)
+        rule = AMONG_ALL if len(names) > 1 else rule_of(usual)
+        score = ranking(expected, untouched, is_usual, rule)
         ratio = np.where(untouched, 1, expected.ratio)
         return [
             Choice(c.method, c.parameters, c.stop, float(ratio[k]), self._reason(c, ratio[k]))
@@ -163,7 +161,7 @@ class Chooser:
         ]
 
     def candidates(self, names: Sequence[str]) -> list[Candidate]:
-        """Try all candidates of some methods; those those of one alone at more of their steps.
+        """Try all candidates of some methods.
 
         Parameters
         ----------
@@ -256,31 +254,6 @@ class Chooser:
         elif np.mean(along[i] * along[j]) > CORRELATED * size**2:
             kind = ", alike at neighbours"
         return f"noise of {size:.2g} edges{kind}; {ratio:.0%} of the error should be left"
-
-
-def ranking(log_ratio: Floats, bonus: Floats, untouched: Booleans, usual: Booleans) -> Floats:
-    """What candidates are ranked by, the least first.
-
-    Parameters
-    ----------
-    log_ratio : ndarray of float64, shape (r,)
-        See `meshfair.denoising.forecast.Forecast`.
-    bonus : ndarray of float64, shape (r,)
-        What is taken off for other merits.
-    untouched : ndarray of bool, shape (r,)
-        Which ones are the noisy mesh itself.
-    usual : ndarray of bool, shape (r,)
-        Which ones are of the method that is chosen where nothing speaks for another;
-        the first one of them, with its defaults, counts.
-
-    Returns
-    -------
-    ndarray of float64, shape (r,)
-    """
-    score = log_ratio - bonus
-    score[untouched] = 0
-    score[np.flatnonzero(usual)[:1]] -= MARGIN
-    return score
 
 
 def sample(V: Floats, F: Integers) -> tuple[Integers, Integers]:
