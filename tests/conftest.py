@@ -50,3 +50,19 @@ def mirror():
     if not folder or not Path(folder).is_dir():
         pytest.skip("MESHFAIR_MIRROR names no folder of real meshes")
     return Path(folder)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """A browser that draws by software, for pages on file."""
+    from lab import CHROMIUM
+
+    if CHROMIUM is None:
+        pytest.skip("no chromium is installed (Debian: apt-get install chromium)")
+    playwright = pytest.importorskip("playwright.sync_api")
+    software = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-first-run"]
+    sandbox = ["--no-sandbox"] if os.geteuid() == 0 else []
+    with playwright.sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=CHROMIUM, args=[*software, *sandbox])
+        yield browser
+        browser.close()

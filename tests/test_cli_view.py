@@ -1,9 +1,7 @@
 """meshfair view and compare: pages, pictures and reasons; pages in a real browser."""
 
 import json
-import os
 import re
-import shutil
 from io import BytesIO
 
 import numpy as np
@@ -14,8 +12,6 @@ from meshes import grid
 from meshfair import MeshError, cli, io, mesh, noise, shapes, viewer
 from meshfair.cli import compare, pictures, view
 from meshfair.viewer import distance, scripts, window
-
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 
 
 @pytest.fixture
@@ -221,19 +217,6 @@ def test_reasons_are_in_the_words_of_the_command(run, files):
 
 
 # The page in a browser
-
-
-@pytest.fixture(scope="module")
-def browser():
-    if CHROMIUM is None:
-        pytest.skip("no chromium is installed (Debian: apt-get install chromium)")
-    playwright = pytest.importorskip("playwright.sync_api")
-    software = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-first-run"]
-    sandbox = ["--no-sandbox"] if os.geteuid() == 0 else []
-    with playwright.sync_playwright() as started:
-        browser = started.chromium.launch(executable_path=CHROMIUM, args=[*software, *sandbox])
-        yield browser
-        browser.close()
 
 
 # How many pixels each canvas shows, and how many of them in its outermost columns.

@@ -3,9 +3,7 @@
 import base64
 import io
 import json
-import os
 import re
-import shutil
 import struct
 import warnings
 import zlib
@@ -21,8 +19,6 @@ from meshfair.explorers import states
 from meshfair.viewer import SideBySide, View, scripts
 from meshfair.viewer.packing import NO_VALUE, Arrays
 from meshfair.viewer.recording import Recording
-
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 
 
 @pytest.fixture
@@ -259,19 +255,6 @@ def test_the_files_of_pages_are_plain_scripts_and_styles():
 
 
 # In a browser
-
-
-@pytest.fixture(scope="module")
-def browser():
-    if CHROMIUM is None:
-        pytest.skip("no chromium is installed (Debian: apt-get install chromium)")
-    playwright = pytest.importorskip("playwright.sync_api")
-    software = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-first-run"]
-    sandbox = ["--no-sandbox"] if os.geteuid() == 0 else []
-    with playwright.sync_playwright() as started:
-        browser = started.chromium.launch(executable_path=CHROMIUM, args=[*software, *sandbox])
-        yield browser
-        browser.close()
 
 
 def opened(browser, path, complaints, **options):
