@@ -8,6 +8,7 @@ import asyncio
 import hashlib
 import os
 import shutil
+import tempfile
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -20,8 +21,6 @@ from nbformat import NotebookNode
 from traitlets.config import Config
 
 TIMEOUT = 600  # seconds a cell
-# How kernels are spoken to: through sockets that no other user can read, where there are such.
-TRANSPORT = "tcp" if os.name == "nt" else "ipc"
 KERNEL = {
     "MESHFAIR_PAGE": "1",  # meshes and explorers as they can be without a kernel
     "TQDM_DISABLE": "1",
@@ -68,17 +67,20 @@ def execute(notebooks: Sequence[Path], folder: Path, scratch: Path) -> dict[Path
 
 
 def _run(path: Path, notebook: NotebookNode, scratch: Path) -> NotebookNode:
-    client = nbclient.NotebookClient(
-        notebook,
-        timeout=TIMEOUT,
-        record_timing=False,  # times within the cells would be cells that have changed
-        store_widget_state=False,  # pages run no widgets
-        config=Config(KernelManager={"transport": TRANSPORT}),
-        resources={"metadata": {"path": str(scratch)}},
-    )
-    try:
-        asyncio.run(client.async_execute(env={**os.environ, **KERNEL}))
-    except nbclient.exceptions.CellExecutionError as error:
-        raise SystemExit(f"{path.name} fails:\n{error}") from None
+    with tempfile.TemporaryDirectory() as sockets:
+        # Through sockets that no other user can read, where there are such.
+        private = {} if os.name == "nt" else {"transport": "ipc", "ip": f"{sockets}/kernel"}
+        client = nbclient.NotebookClient(
+            notebook,
+            timeout=TIMEOUT,
+            record_timing=False,  # times within the cells would be cells that have changed
+            store_widget_state=False,  # pages run no widgets
+            config=Config(KernelManager=private),
+            resources={"metadata": {"path": str(scratch)}},
+        )
+        try:
+            asyncio.run(client.async_execute(env={**os.environ, **KERNEL}))
+        except nbclient.exceptions.CellExecutionError as error:
+            raise SystemExit(f"{path.name} fails:\n{error}") from None
     print(f"  executed {path.name}", flush=True)
     return notebook
