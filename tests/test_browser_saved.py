@@ -69,8 +69,10 @@ def page(lab):
 
 
 def seen(student, name):
-    """What a cell shows."""
-    return student.go_to_output(name).evaluate(SEEN)
+    """What a cell shows, once its pictures are there."""
+    cell = student.go_to_output(name)
+    student.page.wait_for_function(f"cell => ({SEEN})(cell).outputs", arg=cell.element_handle())
+    return cell.evaluate(SEEN)
 
 
 def saved_stills(path):

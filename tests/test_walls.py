@@ -169,7 +169,7 @@ def test_what_is_refused(name, attack, target):
         ("secrets", (), 0),
         ("processes", (), 2),  # the first one, and Python
         ("write_here", (), 1),
-        ("search", ("meshfair/",), 0),
+        ("search", ("meshfair/weights.py",), 0),
         ("search", ("a2_checks",), 0),
         ("search", ("/igl",), 0),
         ("search", ("trimesh",), 0),
