@@ -69,10 +69,13 @@ def page(lab):
 
 
 def seen(student, name):
-    """What a cell shows, once its pictures are there."""
-    cell = student.go_to_output(name)
-    student.page.wait_for_function(f"cell => ({SEEN})(cell).outputs", arg=cell.element_handle())
-    return cell.evaluate(SEEN)
+    """What a cell shows; a notebook that has just been opened may draw its cells once more."""
+    for _ in range(100):
+        found = student.go_to_output(name).evaluate(SEEN)
+        if found["outputs"]:
+            break
+        student.page.wait_for_timeout(100)
+    return found
 
 
 def saved_stills(path):
