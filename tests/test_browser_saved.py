@@ -148,6 +148,15 @@ def test_a_saved_notebook_shows_the_last_stills(lab, page):
     student.run_cells(*CELLS)
     check_live(student)
 
+    # Not trusted.
+    text = path.read_text()
+    (lab.notebooks / "foreign.ipynb").write_text(text.replace("60, 8", "50, 8"))
+    student = Student(*page, "foreign.ipynb")
+    assert "meshfair-live" not in student.page.locator(".jp-Notebook").inner_html()
+    check_saved(student)
+    student.go_to_output("view")
+    student.picture("saved-untrusted")
+
 
 # The picture that the open notebook would save for a cell.
 STILL_OF = """name => window.jupyterapp.shell.currentWidget.content.widgets
@@ -156,16 +165,3 @@ STILL_OF = """name => window.jupyterapp.shell.currentWidget.content.widgets
 DRESSED = """light => document.body.dataset.jpThemeLight === light &&
     !document.querySelector("#jupyterlab-splash")"""
 THEME = "theme => window.jupyterapp.commands.execute('apputils:change-theme', { theme })"
-
-
-def test_a_notebook_that_is_not_trusted_shows_them_too(lab, page):
-    text = (lab.notebooks / "saved.ipynb").read_text()
-    (lab.notebooks / "foreign.ipynb").write_text(text.replace("60, 8", "50, 8"))
-    student = Student(*page, "foreign.ipynb")
-    # Who scrolls while JupyterLab still draws the notebook gets cells without outputs.
-    student.wait_for("[...document.images].filter(image => image.offsetHeight > 100).length > 1")
-    student.page.wait_for_timeout(1000)
-    assert "meshfair-live" not in student.page.locator(".jp-Notebook").inner_html()
-    check_saved(student)
-    student.go_to_output("view")
-    student.picture("saved-untrusted")
