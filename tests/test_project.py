@@ -7,10 +7,12 @@ import re
 import subprocess
 import sys
 import tomllib
+from importlib import metadata
 from pathlib import Path
 
 import pytest
 import yaml
+from packaging.specifiers import SpecifierSet
 
 import conftest
 import meshfair
@@ -235,6 +237,16 @@ def test_constraints_pin_everything_and_name_no_address():
     pinned = {re.sub(r"[-_.]+", "-", pin.split("==")[0]).lower() for pin in pins}
     wanted = names(PYPROJECT["project"]["dependencies"]) | requirements(*EXTRAS)
     assert {re.sub(r"[-_.]+", "-", name) for name in wanted} <= pinned
+
+
+def test_every_pin_is_for_the_first_python_that_is_promised():
+    first = PYPROJECT["project"]["requires-python"].removeprefix(">=") + ".0"
+    lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
+    pins = dict(line.split("==") for line in lines if "==" in line and not line.startswith("#"))
+    there = [each for each in metadata.distributions() if pins.get(each.name) == each.version]
+    assert len(there) > 100  # those of the test extra
+    asked = {each.name: each.metadata["Requires-Python"] or "" for each in there}
+    assert [name for name, spec in asked.items() if first not in SpecifierSet(spec)] == []
 
 
 def test_top_level():
