@@ -301,7 +301,9 @@ def _quality(data: Tables) -> Texts:
     )
     excess = angle["auto"] / angle["tuned"]
     jet = table[table["mesh"] == "jet"].set_index(["method", "parameters"])
-    automatic = jet.xs("auto", level="parameters")["missile_error"]
+    automatic = jet.xs("auto", level="parameters")
+    smoothest = automatic.drop("learned")["normal_angle"].idxmin()
+    missiles = automatic["missile_error"]
     averaging = data["missiles"].set_index("weights")["missile_error"]
     volume = table.set_index(["mesh", "method", "parameters"])["volume_change"].mul(-100)
     found = {
@@ -314,8 +316,12 @@ def _quality(data: Tables) -> Texts:
         "quality-near": str((excess < 1.1).sum()),
         "quality-all": str(len(excess)),
         "jet-missiles-noisy": f"{jet.loc[('none', 'default'), 'missile_error']:.3f}",
-        "jet-missiles-best": f"{automatic.min():.3f}",
-        "jet-missiles-best-method": automatic.idxmin(),
+        "jet-missiles-best": f"{missiles.min():.3f}",
+        "jet-missiles-best-method": missiles.idxmin(),
+        "jet-smoothest": smoothest,
+        "jet-smoothest-angle": f"{automatic.loc[smoothest, 'normal_angle']:.1f}",
+        "jet-smoothest-snr": f"{automatic.loc[smoothest, 'snr']:.1f}",
+        "jet-noisy-snr": f"{jet.loc[('none', 'default'), 'snr']:.1f}",
         "jet-missiles-averaging": f"{averaging.min():.3f}",
         "jet-missiles-averaging-weights": averaging.idxmin(),
     }

@@ -66,3 +66,12 @@ def browser():
         browser = started.chromium.launch(executable_path=CHROMIUM, args=[*software, *sandbox])
         yield browser
         browser.close()
+
+
+@pytest.fixture(scope="module")
+def page(lab):
+    """JupyterLab in a browser, and what it complained of: one for all tests of a module's lab."""
+    from lab import browser_at
+
+    with browser_at(lab) as both:
+        yield both

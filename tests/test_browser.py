@@ -9,7 +9,7 @@ import time
 import numpy as np
 import pytest
 
-from lab import Lab, Student, browser_at, missing
+from lab import Lab, Student, missing
 
 pytestmark = [
     pytest.mark.slow,
@@ -39,13 +39,6 @@ def lab(tmp_path_factory):
     lab.set_parameters("05-the-jet.ipynb", "DETAIL = 1.4")
     yield lab
     lab.stop()
-
-
-@pytest.fixture(scope="module")
-def page(lab):
-    """JupyterLab in a browser, and what the page complained of: one for all tests."""
-    with browser_at(lab) as both:
-        yield both
 
 
 @pytest.fixture

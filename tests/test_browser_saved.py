@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from lab import Lab, Student, browser_at, missing
+from lab import Lab, Student, missing
 
 pytestmark = [
     pytest.mark.slow,
@@ -60,12 +60,6 @@ def lab(tmp_path_factory):
     (lab.notebooks / "saved.ipynb").write_text(text)
     yield lab
     lab.stop()
-
-
-@pytest.fixture(scope="module")
-def page(lab):
-    with browser_at(lab) as both:
-        yield both
 
 
 def seen(student, name):

@@ -19,6 +19,7 @@ from meshfair.explorers import states
 from meshfair.viewer import SideBySide, View, scripts
 from meshfair.viewer.packing import NO_VALUE, Arrays
 from meshfair.viewer.recording import Recording
+from small_explorers import KINDS, MADE, small
 
 
 @pytest.fixture
@@ -186,29 +187,19 @@ def test_an_explorer_takes_no_more_of_a_page_than_it_may(monkeypatch):
     assert 2 < len(unpacked(f'class="packed">{packed}</script>')[0]["states"]) < whole
 
 
-def made():
-    V, F = shapes.knot(30, 5)
-    meshes = {"box": shapes.box(segments=2), "knot": (V, F)}
-    return {
-        "averaging": lambda: explorers.AveragingExplorer(V, F, iterations=3),
-        "comparison": lambda: explorers.ComparisonExplorer(V, F, iterations=3),
-        "eigenmodes": lambda: explorers.EigenmodeExplorer(V, F),
-        "filters": lambda: explorers.FilterExplorer(meshes),
-        "iterations": lambda: explorers.IterationExplorer([V, V / 2], F, ground_truth=V),
-        "jet": lambda: explorers.JetExplorer(detail=0.5, iterations=2),
-        "kernels": lambda: explorers.KernelExplorer(meshes),
-        "low-pass": lambda: explorers.LowPassExplorer(V, F),
-        "neighbourhood": lambda: explorers.NeighbourhoodExplorer(V, F),
-        "noise": lambda: explorers.NoiseExplorer(V, F),
-        "own-mesh": lambda: explorers.DenoisingExplorer(V, F, iterations=3),
-        "stability": lambda: explorers.StabilityExplorer(V, F, iterations=3),
+def test_no_explorer_is_left_out():
+    public = {getattr(explorers, name) for name in explorers.__all__}
+    assert set(MADE) == {
+        kind
+        for kind in public
+        if issubclass(kind, explorers.Explorer) and kind is not explorers.Explorer
     }
 
 
-@pytest.mark.parametrize("name", made())
+@pytest.mark.parametrize("name", KINDS)
 def test_every_explorer_has_a_form_without_a_kernel(name, monkeypatch):
     monkeypatch.setattr(states, "LONGEST", 0.5)
-    explorer = made()[name]()
+    explorer = small(name)
     explorer.wait()
     before = explorer.settings()
     with warnings.catch_warnings():

@@ -1,6 +1,7 @@
 """What notebooks keep of live widgets: outputs as published, and as nbconvert shows them."""
 
 import base64
+import functools
 import io
 import re
 import threading
@@ -17,29 +18,16 @@ from IPython.core.interactiveshell import InteractiveShell  # noqa: E402
 from IPython.display import display  # noqa: E402
 from IPython.utils.capture import capture_output  # noqa: E402
 
-from meshfair import shapes, viewer  # noqa: E402
+from meshfair import viewer  # noqa: E402
 from meshfair.viewer import View, saved  # noqa: E402
+from small_explorers import KINDS, F, V, small  # noqa: E402
 
 WIDGET = "application/vnd.jupyter.widget-view+json"
-V, F = shapes.knot(30, 5)
-MESHES = {"box": shapes.box(segments=2), "knot": (V, F)}
-MADE = {
+SHOWN = {
     "view": lambda: View([V, V], F, titles=["a <b>", None], values=[V[:, 0], None], label="x"),
     "webgl": lambda: View(V, F, backend="webgl"),
-    "averaging": lambda: explorers.AveragingExplorer(V, F, iterations=3),
-    "comparison": lambda: explorers.ComparisonExplorer(V, F, iterations=3),
     "edge": explorers.CotangentExplorer,
-    "eigenmodes": lambda: explorers.EigenmodeExplorer(V, F),
-    "filters": lambda: explorers.FilterExplorer(MESHES),
-    "heat": lambda: explorers.HeatExplorer(V, F, iterations=3),
-    "iterations": lambda: explorers.IterationExplorer([V, V / 2], F, ground_truth=V),
-    "jet": lambda: explorers.JetExplorer(detail=0.5, iterations=2),
-    "kernels": lambda: explorers.KernelExplorer(MESHES),
-    "low-pass": lambda: explorers.LowPassExplorer(V, F),
-    "neighbourhood": lambda: explorers.NeighbourhoodExplorer(V, F),
-    "noise": lambda: explorers.NoiseExplorer(V, F),
-    "own-mesh": lambda: explorers.DenoisingExplorer(V, F, iterations=3),
-    "stability": lambda: explorers.StabilityExplorer(V, F, iterations=3),
+    **{name: functools.partial(small, name) for name in KINDS},
 }
 
 
@@ -82,9 +70,9 @@ def changed(output, other):
     return (one != two).any(axis=2).mean()
 
 
-@pytest.mark.parametrize("name", MADE)
+@pytest.mark.parametrize("name", SHOWN)
 def test_a_notebook_gets_a_still_and_then_the_widget(name):
-    shown = MADE[name]()
+    shown = SHOWN[name]()
     with capture_output() as captured, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of the explorers, about meshes this small
         display(shown)

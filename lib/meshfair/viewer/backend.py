@@ -65,3 +65,14 @@ def moved(view: Shown, move: dict[str, Any]) -> Camera:
     """The view's camera after a move of the pointer in a page."""
     camera = view.camera.orbit(move["yaw"], move["pitch"], view.up)
     return camera.pan(*move["pan"]).zoom(move["zoom"])
+
+
+def asked(view: Shown, widget: Any, message: dict[str, Any]) -> None:
+    """Do what a page asks for that every back end does alike."""
+    kind = message["kind"]
+    if kind == "reset":
+        view.reset()
+    elif kind == "click":
+        view.click(message["panel"], message["x"], message["y"])
+    elif kind == "ping":
+        widget.send({"kind": "pong"})

@@ -20,7 +20,7 @@ import traitlets
 from PIL import Image
 
 from meshfair.viewer import offscreen
-from meshfair.viewer.backend import LOST, Shown, moved
+from meshfair.viewer.backend import LOST, Shown, asked, moved
 from meshfair.viewer.offscreen import Pixels
 from meshfair.viewer.page import bar
 from meshfair.viewer.scripts import text
@@ -83,15 +83,11 @@ class Frames:
             with self._lock:
                 self._wanted.update({k: GOOD for k in self._rough if k not in self._wanted})
             self._pump()
-        elif kind == "reset":
-            self._view.reset()
-        elif kind == "click":
-            self._view.click(message["panel"], message["x"], message["y"])
-        elif kind == "ping":
-            self.widget.send({"kind": "pong"})
         elif kind == "move":
             self._view.camera = moved(self._view, message)
             self.camera_moved()
+        else:
+            asked(self._view, self.widget, message)
 
     def _pump(self) -> None:
         """Begin the next frame, unless one is on its way, or no page is there."""

@@ -15,7 +15,7 @@ import anywidget
 import numpy as np
 import traitlets
 
-from meshfair.viewer.backend import LOST, Shown, moved
+from meshfair.viewer.backend import LOST, Shown, asked, moved
 from meshfair.viewer.packing import look, parts
 from meshfair.viewer.page import bar
 from meshfair.viewer.scripts import LIVE, text
@@ -73,16 +73,12 @@ class InPage:
         elif kind == "shown":
             self._sent = None
             self._pump()
-        elif kind == "reset":
-            self._view.reset()
-        elif kind == "click":
-            self._view.click(message["panel"], message["x"], message["y"])
-        elif kind == "ping":
-            self.widget.send({"kind": "pong"})
         elif kind == "move":
             self._view.camera = moved(self._view, message)
             # To the page that moved it, an answer; to others with the same view, the news.
             self.widget.send({"kind": "moved", "by": message["by"], **self._camera()})
+        else:
+            asked(self._view, self.widget, message)
 
     def _pump(self) -> None:
         """Send what has changed, unless something is on its way, or no page is there."""
