@@ -239,3 +239,9 @@ def test_a_filter_of_ones_own_is_not_chosen_by_the_front(monkeypatch):
 
     V_noisy, _, F = noisy_torus()
     assert meshfair.denoise(V_noisy, F).method in denoising.BUILT_IN
+
+
+def test_the_name_of_the_choice_is_no_filters():
+    with pytest.raises(ValueError, match="name is 'auto', which chooses among all methods; give"):
+        denoising.register("auto")
+    assert "auto" not in denoising.methods()

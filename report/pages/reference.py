@@ -50,7 +50,7 @@ def page(name: str, used: dict[str, list[Path]]) -> str:
     for member, value in members.items():
         kind = "class" if inspect.isclass(value) else "function"
         lines += ["", f"## {member}", ""]
-        options = {"members": True, "undoc_members": False} if kind == "class" else {}
+        options = {"members": True, "show_inheritance": True} if kind == "class" else {}
         lines.append(directive(f"auto{kind}", f"meshfair.{name}.{member}", **options))
         where = used.get(f"{name}.{member}", [])
         if name == "denoising":

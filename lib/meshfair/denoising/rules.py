@@ -8,6 +8,7 @@ import numpy as np
 
 from meshfair.checks import Booleans, Floats
 from meshfair.denoising.forecast import Forecast
+from meshfair.denoising.registry import find_method
 
 
 class Rule(NamedTuple):
@@ -26,19 +27,14 @@ class Rule(NamedTuple):
 
 
 # By training's meshes, families of shapes left out: what does least harm, and leaves the least
-# error. Who names averaging wants it, though it shrinks. Of a method alone, the least margin with
-# which at most a twentieth of these meshes end more than 5 % worse than with its defaults; for
-# filters that smooth the more the longer they run, a tenth.
+# error.
 AMONG_ALL = Rule(margin=0.1, worth=0.05, doubt=0.2, sure_gain=3)
-OF_ONE = Rule(margin=0.2, worth=0, doubt=0, sure_gain=0)
-OF_NORMAL_FILTER = OF_ONE._replace(margin=0.01)
-NORMAL_FILTERS = "sun", "bilateral-normal", "guided-normal", "l0", "feature-convinced", "learned"
-"""Filters of normals, or of edges in the case of l0, with vertices that follow."""
 
 
 def rule_of(method: str) -> Rule:
     """The rule by which one method's parameters are chosen."""
-    return OF_NORMAL_FILTER if method in NORMAL_FILTERS else OF_ONE
+    # Who names averaging wants it, though it shrinks: an SNR that falls is no reason against it.
+    return Rule(find_method(method).margin, worth=0, doubt=0, sure_gain=0)
 
 
 def ranking(expected: Forecast, untouched: Booleans, usual: Booleans, rule: Rule) -> Floats:

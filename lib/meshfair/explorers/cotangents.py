@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import anywidget
@@ -12,7 +11,7 @@ import traitlets
 
 from meshfair.checks import MeshWarning, needed_for
 from meshfair.mesh.elements import Triangles
-from meshfair.viewer.page import for_page, part, write_page
+from meshfair.viewer.page import OnPage, for_page, part
 from meshfair.viewer.panel import SURFACE
 from meshfair.viewer.recording import pack
 from meshfair.viewer.saved import Bundle, Displayed, Saved, picture
@@ -28,7 +27,7 @@ START = ((0.0, 0.0), (0.0, 2.0), (-1.6, 1.2), (1.5, 0.8))
 NAMES = ("v_i", "v_j", "a", "b")
 
 
-class CotangentExplorer(Displayed, anywidget.AnyWidget):
+class CotangentExplorer(Displayed, OnPage, anywidget.AnyWidget):
     """Two triangles at an edge: drag a corner, and see alpha, beta and w_ij.
 
     Where an angle becomes so obtuse that both sum to more than 180 degrees, the
@@ -97,25 +96,6 @@ class CotangentExplorer(Displayed, anywidget.AnyWidget):
             matplotlib or Pillow is missing; the message says what to install.
         """
         return part(pack({"points": self.points}), self._still(), self._said())
-
-    def save(self, path: str | PathLike[str], title: str = "meshfair") -> None:
-        """Write a web page with the explorer.
-
-        Parameters
-        ----------
-        path : path
-            An HTML file; one that is there is replaced.
-        title : str
-            The page's.
-
-        Raises
-        ------
-        ValueError
-            A title that is no text.
-        ImportError
-            matplotlib or Pillow is missing; the message says what to install.
-        """
-        write_page(self.to_html(), path, title)
 
     def _said(self) -> str:
         alpha, beta = self.angles

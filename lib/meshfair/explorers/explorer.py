@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import html
 from collections.abc import Iterator, Sequence
-from os import PathLike
 from typing import Any
 
 import ipywidgets as widgets
@@ -15,14 +14,14 @@ from meshfair.explorers.curves import CurvePlot
 from meshfair.explorers.states import recorded
 from meshfair.explorers.worker import Job, LatestWins
 from meshfair.viewer import View
-from meshfair.viewer.page import described, for_page, part, write_page
+from meshfair.viewer.page import OnPage, described, for_page, part
 from meshfair.viewer.saved import Bundle, Displayed, Saved
 
 Settings = dict[str, Any]
 EIGENMODES = 5e-10  # seconds for all of them, over the third power of the number of vertices
 
 
-class Explorer(Displayed):
+class Explorer(Displayed, OnPage):
     """A view with controls and plots around it.
 
     A subclass makes ``view``, ``plots`` and ``controls``, and then calls
@@ -188,25 +187,6 @@ class Explorer(Displayed):
             still = self.view.still()
             packed = recorded(self).packed()
         return part(packed, still, label)
-
-    def save(self, path: str | PathLike[str], title: str = "meshfair") -> None:
-        """Write a web page with the explorer, as `to_html` gives it.
-
-        Parameters
-        ----------
-        path : path
-            An HTML file; one that is there is replaced.
-        title : str
-            The page's.
-
-        Raises
-        ------
-        ValueError
-            A title that is no text.
-        ImportError
-            matplotlib or Pillow is missing; the message says what to install.
-        """
-        write_page(self.to_html(), path, title)
 
     @contextlib.contextmanager
     def _coming_back(self) -> Iterator[None]:

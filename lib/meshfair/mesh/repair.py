@@ -33,7 +33,7 @@ from meshfair.mesh.topology import (
 ORIENT = (None, "consistent", "outward")
 # Welding that would merge a vertex with this many others on average is no
 # welding any more, and the list of pairs would fill the memory.
-MOST_PAIRS = 30
+MOST_NEAR = 30
 
 
 class Step(NamedTuple):
@@ -183,9 +183,9 @@ def _near(V: Floats, rows: Integers, reach: float) -> Integers:
     from scipy.spatial import KDTree  # slow to load, and seldom needed
 
     tree = KDTree(V[rows])
-    if tree.count_neighbors(tree, reach) > (1 + MOST_PAIRS) * len(rows):
+    if tree.count_neighbors(tree, reach) > (1 + MOST_NEAR) * len(rows):
         raise MeshError(
-            f"welding within {reach:.3g} units would merge each vertex with more than {MOST_PAIRS} "
+            f"welding within {reach:.3g} units would merge each vertex with more than {MOST_NEAR} "
             "others on average; give a smaller weld"
         )
     i, j = tree.query_pairs(reach, output_type="ndarray").T

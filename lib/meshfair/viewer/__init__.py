@@ -3,6 +3,7 @@
 * `render` draws one picture into an array, without a screen: the report's figures.
 * `View` is a live view in a notebook: drag to turn, wheel to zoom.
 * `SideBySide` is the same without a notebook: pictures, and pages for a browser.
+* `OnPage` is what both, and every explorer, can do: `save` a page that needs no kernel.
 * `page_files` are the scripts and styles of such pages, for a site.
 * `show` opens polyscope's own window, where there is a screen.
 
@@ -14,6 +15,7 @@ from meshfair.viewer.camera import Camera
 from meshfair.viewer.distance import by_distance
 from meshfair.viewer.egl import has_egl
 from meshfair.viewer.offscreen import on_gl_thread, render
+from meshfair.viewer.page import OnPage
 from meshfair.viewer.panel import CMAPS
 from meshfair.viewer.scripts import page_files
 from meshfair.viewer.side_by_side import SideBySide
@@ -23,6 +25,7 @@ from meshfair.viewer.window import show
 __all__ = [
     "CMAPS",
     "Camera",
+    "OnPage",
     "SideBySide",
     "View",
     "by_distance",

@@ -91,6 +91,47 @@ def write_page(given: str, path: str | PathLike[str], title: str) -> None:
     replace_file(Path(path), page.encode())
 
 
+class OnPage:
+    """What can stand on a web page without a kernel: views, and every explorer."""
+
+    def to_html(self) -> str:
+        """Give it as a part of a web page.
+
+        Returns
+        -------
+        str
+            HTML for a page that has the files of `meshfair.viewer.page_files`; without them
+            a still is seen.
+
+        Raises
+        ------
+        ImportError
+            matplotlib or Pillow is missing; the message says what to install.
+        """
+        raise NotImplementedError
+
+    def save(self, path: str | PathLike[str], title: str = "meshfair") -> None:
+        """Write a web page with it.
+
+        The page needs neither a kernel nor a network: what draws the meshes is in it.
+
+        Parameters
+        ----------
+        path : path
+            An HTML file; one that is there is replaced.
+        title : str
+            The page's.
+
+        Raises
+        ------
+        ValueError
+            A title that is no text.
+        ImportError
+            matplotlib or Pillow is missing; the message says what to install.
+        """
+        write_page(self.to_html(), path, title)
+
+
 def described(titles: list[str], label: str) -> str:
     """What a picture of meshes shows, in words."""
     named = "; ".join(title for title in titles if title)

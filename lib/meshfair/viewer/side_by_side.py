@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +18,7 @@ from meshfair.checks import (
 )
 from meshfair.viewer.arguments import coloring, each, each_mesh, each_title
 from meshfair.viewer.camera import Camera
-from meshfair.viewer.page import described, part, write_page
+from meshfair.viewer.page import OnPage, described, part
 from meshfair.viewer.panel import NONE, Panel, Scale
 from meshfair.viewer.placement import Placement
 from meshfair.viewer.recording import Recording
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
     from PIL.Image import Image
 
 
-class SideBySide:
+class SideBySide(OnPage):
     """Meshes side by side, for a picture or a page on file.
 
     Parameters
@@ -204,24 +203,3 @@ class SideBySide:
         recording = Recording(self)
         recording.add(self)
         return part(recording.packed(), self.still(), described(self.titles, self.label))
-
-    def save(self, path: str | PathLike[str], title: str = "meshfair") -> None:
-        """Write a web page on which the meshes can be turned, all together.
-
-        It needs neither a kernel nor a network: what draws the meshes is in it.
-
-        Parameters
-        ----------
-        path : path
-            An HTML file; one that is there is replaced.
-        title : str
-            The page's.
-
-        Raises
-        ------
-        ValueError
-            A title that is no text.
-        ImportError
-            matplotlib or Pillow is missing; the message says what to install.
-        """
-        write_page(self.to_html(), path, title)
