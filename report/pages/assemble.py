@@ -90,9 +90,14 @@ def main() -> None:
         "measured": measured,
         "repository": links.repository,
     }
+    with_cells = []
     for path in sorted(PAGES.rglob("*.md")):
         name = path.relative_to(PAGES).as_posix()
-        write(name, environment.get_template(name).render(facts))
+        page = environment.get_template(name).render(facts)
+        write(name, page)
+        if "{code-cell}" in page:
+            with_cells.append(SOURCE / name)
+    execute(with_cells, cache, BUILD / "scratch")
     write("CITATION.cff", (ROOT / "CITATION.cff").read_bytes())
     for path in SOURCE.rglob("*"):  # what an earlier build had
         if path.is_file() and path not in written:

@@ -13,8 +13,8 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import jupytext
 import nbclient
-import nbformat
 from jupyter_cache import get_cache
 from jupyter_cache.base import CacheBundleIn
 from nbformat import NotebookNode
@@ -49,7 +49,7 @@ def execute(notebooks: Sequence[Path], folder: Path, scratch: Path) -> dict[Path
     cache = get_cache(folder)
     done, wanted = {}, {}
     for path in notebooks:
-        notebook = nbformat.read(path, as_version=4)
+        notebook = jupytext.read(path)  # a page in Markdown may have cells, too
         try:
             match = cache.match_cache_notebook(notebook)
             done[path] = cache.get_cache_bundle(match.pk).nb
