@@ -58,7 +58,7 @@ def colour_bar(
     path: Path, limits: tuple[float, float], label: str, cmap: str = ERRORS, width: float = 4.0
 ) -> None:
     """A colour bar of its own, to stand beside meshes; ``cmap`` as Polyscope has it."""
-    with plotting.figure(path, (width, 0.62)) as axes:
+    with plotting.figure(path, (width, 0.58)) as axes:
         axes.imshow(
             np.linspace(0, 1, 256)[None],
             aspect="auto",
