@@ -108,7 +108,7 @@ def test_heat_flow_of_30000_triangles(page, say):
     play.click()
     student.wait_for("parseFloat(window.seen.at(-1).caption.match(/t = ([\\d.]+)/)[1]) > 0.5")
     play.click()
-    plot = cell.locator(".meshfair-curves svg:not(.sample)")
+    plot = cell.locator(".meshfair-curves svg.ground")
     box = plot.bounding_box()
     plot.click(position={"x": box["width"] - 20, "y": 50})
     student.wait_for("parseFloat(window.seen.at(-1).caption.match(/t = ([\\d.]+)/)[1]) > 5")

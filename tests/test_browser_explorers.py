@@ -67,9 +67,9 @@ PLACES = """explorer => {
         stages: all(".stage"),
         curves: all(".meshfair-curves"),
         first: all(".noUi-base, select")[0],
-        drawn: [...explorer.querySelectorAll(".meshfair-curves svg:not(.sample)")].map(svg => ({
-            svg: place(svg),
-            marks: [...svg.querySelectorAll(".curve, circle")].map(place),
+        drawn: [...explorer.querySelectorAll(".meshfair-curves .plot")].map(plot => ({
+            plot: place(plot),
+            marks: [...plot.querySelectorAll(".curve, circle")].map(place),
         })),
     };
 }"""
@@ -148,7 +148,7 @@ def check_places(places, where):
         assert left - 1 <= a < c <= right + 1, where
         assert top - 1 <= b < d <= bottom + 1, where
     for drawn in places["drawn"]:
-        a, b, c, d = drawn["svg"]
+        a, b, c, d = drawn["plot"]
         assert c - a > 150, where
         assert d - b > 100, where
         assert drawn["marks"], where

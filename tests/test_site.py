@@ -116,6 +116,35 @@ def test_nothing_is_taken_from_elsewhere(site):
             assert not re.match(r"(https?:)?//", target), (page.name, target)
 
 
+class Prose(HTMLParser):
+    """The text of a page outside of code."""
+
+    CODE = ("pre", "code", "script", "style", "textarea")
+
+    def __init__(self, page):
+        super().__init__()
+        self.inside, self.said = 0, []
+        self.feed(page.read_text(encoding="utf-8"))
+
+    def handle_starttag(self, tag, attributes):
+        self.inside += tag in self.CODE
+
+    def handle_endtag(self, tag):
+        self.inside -= tag in self.CODE
+
+    def handle_data(self, text):
+        if not self.inside:
+            self.said.append(text)
+
+
+def test_no_formula_is_left_as_text_and_no_kernel_file_is_named(site):
+    for page in pages(site):
+        # Typeset ones stand between \\( and \\), or \\[ and \\].
+        dollars = [text for text in Prose(page).said if "$" in text]
+        assert not dollars, (page.name, dollars[:3])
+        assert "ipykernel_" not in page.read_text(encoding="utf-8"), page.name
+
+
 def test_every_public_function_is_in_the_reference(site):
     for module in public.MODULES:
         anchors = Found(site / "reference" / f"{module}.html").anchors

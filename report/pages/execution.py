@@ -7,6 +7,7 @@ after the package's sources, and within it each notebook is looked up by its cel
 import asyncio
 import hashlib
 import os
+import re
 import shutil
 import tempfile
 from collections.abc import Sequence
@@ -28,6 +29,9 @@ KERNEL = {
     "OPENBLAS_NUM_THREADS": "1",
     "OMP_NUM_THREADS": "1",
 }
+
+# A warning of a cell begins with a file of the kernel's own, and ends with the line above it.
+WARNING = re.compile(r"^\S*ipykernel\S*:\d+: (\w+: .*)\n( +.*\n?)?", re.MULTILINE)
 
 
 def cache_folder(parent: Path, sources: Sequence[Path]) -> Path:
@@ -82,5 +86,9 @@ def _run(path: Path, notebook: NotebookNode, scratch: Path) -> NotebookNode:
             asyncio.run(client.async_execute(env={**os.environ, **KERNEL}))
         except nbclient.exceptions.CellExecutionError as error:
             raise SystemExit(f"{path.name} fails:\n{error}") from None
+    for cell in notebook.cells:
+        for output in cell.get("outputs", ()):
+            if output.get("name") == "stderr":
+                output["text"] = WARNING.sub(r"\1\n", output["text"])
     print(f"  executed {path.name}", flush=True)
     return notebook

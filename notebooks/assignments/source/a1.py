@@ -133,6 +133,7 @@ def unit_rows(N, name):
 # ## Task 1: `face_normals` (3 points)
 #
 # The unit normal of each triangle,
+#
 # $$ n_f = \frac{(v_b - v_a) \times (v_c - v_a)}{\|(v_b - v_a) \times (v_c - v_a)\|} . $$
 #
 # *Hint.* `V[F[:, 0]]` is the array of all first corners: no loop is needed.

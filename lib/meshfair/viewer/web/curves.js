@@ -61,24 +61,33 @@ function at(curve, x) {
   return curve.y[k - 1] + share * (curve.y[k] - curve.y[k - 1]);
 }
 
+/** A function that does its work anew only when what it is given is not what it was given last. */
+function whenChanged(work) {
+  let [last, made] = ["", undefined];
+  return (given) => {
+    const text = JSON.stringify(given);
+    if (text !== last) [last, made] = [text, work(given)];
+    return made;
+  };
+}
+
 function render({ model, el }) {
   el.classList.add("meshfair-curves");
   const head = document.createElement("div");
   head.className = "title";
-  el.append(head);
-  const svg = draw("svg", {}, el);
+  const plot = document.createElement("div");
+  plot.className = "plot";
+  el.append(head, plot);
+  const svg = draw("svg", { class: "ground" }, plot);
+  const above = draw("svg", { class: "above" }, plot);
   let toX = () => 0; // from pixels back to x, for the pointer
+  const color = (curve, i) => curve.color || COLORS[i % COLORS.length];
 
-  const paint = () => {
-    const [width, height] = [svg.clientWidth, svg.clientHeight];
-    if (!width || !height) return;
-    const series = model.get("series");
-    const color = (curve, i) => curve.color || COLORS[i % COLORS.length];
-
+  const paintHead = whenChanged(({ title, series }) => {
     head.replaceChildren();
-    const title = document.createElement("b");
-    title.textContent = model.get("title");
-    head.append(title);
+    const name = document.createElement("b");
+    name.textContent = title;
+    head.append(name);
     series.forEach((curve, i) => {
       if (series.length === 1 && !curve.legend) return;
       const key = document.createElement("span");
@@ -101,12 +110,14 @@ function render({ model, el }) {
       }
       head.append(key);
     });
+  });
 
-    const [x0, x1] = model.get("x_range") ?? extent(series.flatMap((s) => s.x), 0);
-    const threshold = model.get("threshold");
+  /** Axes, curves and points; from numbers to pixels, for the marker. */
+  const paintGround = whenChanged((shown) => {
+    const { width, height, series, threshold, x_range, y_range, x_label, y_label } = shown;
+    const [x0, x1] = x_range ?? extent(series.flatMap((s) => s.x), 0);
     const heights = series.flatMap((s) => s.y);
-    const [y0, y1] =
-      model.get("y_range") ?? extent(threshold === null ? heights : [...heights, threshold], 0.06);
+    const [y0, y1] = y_range ?? extent(threshold === null ? heights : [...heights, threshold], 0.06);
     const right = width - MARGIN.right;
     const bottom = height - MARGIN.bottom;
     const X = (x) => MARGIN.left + ((x - x0) / (x1 - x0 || 1)) * (right - MARGIN.left);
@@ -124,9 +135,9 @@ function render({ model, el }) {
     }
     draw("line", { class: "grid", x1: MARGIN.left, x2: right, y1: bottom, y2: bottom }, svg);
     const middle = (MARGIN.left + right) / 2;
-    draw("text", { x: middle, y: height - 3, "text-anchor": "middle" }, svg, model.get("x_label"));
+    draw("text", { x: middle, y: height - 3, "text-anchor": "middle" }, svg, x_label);
     const turned = `translate(10 ${(bottom + MARGIN.top) / 2}) rotate(-90)`;
-    draw("text", { transform: turned, "text-anchor": "middle" }, svg, model.get("y_label"));
+    draw("text", { transform: turned, "text-anchor": "middle" }, svg, y_label);
 
     if (threshold !== null) {
       const y = Y(threshold);
@@ -151,31 +162,45 @@ function render({ model, el }) {
       const place = [X(curve.best[0]), Y(curve.best[1])];
       mark(curve.mark, ...place, 5, { class: "best", stroke: color(curve, i) }, svg);
     });
+    return { X, Y, x0, x1, right, bottom };
+  });
 
-    const marker = model.get("marker");
+  const paintMarker = (marker, series, { X, Y, x0, x1, right, bottom }) => {
+    above.replaceChildren();
     if (marker === null || marker < x0 - 1e-9 || marker > x1 + 1e-9) return;
     const x = X(marker);
-    draw("line", { class: "marker", x1: x, x2: x, y1: MARGIN.top, y2: bottom }, svg);
+    draw("line", { class: "marker", x1: x, x2: x, y1: MARGIN.top, y2: bottom }, above);
     series.forEach((curve, i) => {
       const y = at(curve, marker);
       if (y === undefined || curve.points) return;
-      draw("circle", { cx: x, cy: Y(y), r: 4, fill: color(curve, i) }, svg);
+      draw("circle", { cx: x, cy: Y(y), r: 4, fill: color(curve, i) }, above);
       // With several curves the panels' titles give the values.
       if (series.length > 1) return;
       const text = Math.abs(y) < 1e5 ? y.toFixed(2) : y.toExponential(1);
       const [wide, high] = [7 * text.length + 4, 14];
       const line = curve.x.map((value, k) => [X(value), Y(curve.y[k])]);
-      const ground = Math.min(bottom, height);
       // Where the label covers least of the curve, and lies within the axes.
       const places = [[9, -8], [-9 - wide, -8], [9, 20], [-9 - wide, 20], [9, -26], [-9 - wide, -26]]
         .map(([dx, dy]) => [x + dx, Y(y) + dy])
-        .filter(([a, b]) => a >= MARGIN.left && a + wide <= right && b - high >= 0 && b <= ground);
+        .filter(([a, b]) => a >= MARGIN.left && a + wide <= right && b - high >= 0 && b <= bottom);
       const covered = ([a, b]) =>
         line.filter(([p, q]) => p > a - 4 && p < a + wide + 4 && q > b - high && q < b + 4).length;
       places.sort((one, other) => covered(one) - covered(other));
       const [a, b] = places[0] ?? [x + 9, Y(y) - 8];
-      draw("text", { class: "value", x: a, y: b }, svg, text);
+      draw("text", { class: "value", x: a, y: b }, above, text);
     });
+  };
+
+  const paint = () => {
+    const [width, height] = [svg.clientWidth, svg.clientHeight];
+    if (!width || !height) return;
+    const names = ["series", "threshold", "x_range", "y_range", "x_label", "y_label"];
+    const shown = Object.fromEntries(names.map((name) => [name, model.get(name)]));
+    const { series } = shown;
+    paintHead({ title: model.get("title"), series });
+    const curves = series.map(({ legend, ...curve }) => curve);
+    const axes = paintGround({ ...shown, series: curves, width, height });
+    paintMarker(model.get("marker"), series, axes);
   };
 
   const pick = (event) => {
