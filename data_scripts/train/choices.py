@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 import sklearn
-from examples import correlated, impulsive, uniform
+from examples import correlated, impulsive, shared, uniform
 from families import FAMILIES, family
 from shapes import shape
 from sklearn.ensemble import HistGradientBoostingRegressor
@@ -46,11 +46,6 @@ NOISE_TRAITS = 2  # the last ones are of the noise size
 HIGHEST = 100.0  # dB: a clean mesh has an SNR without bound
 LOG_RATIOS, GAINS = (-4, 2), (-30, 15)  # what lies beyond counts as these
 FOLDS = 4  # so often are trees fitted without some families, to see how good the choice is
-
-
-def shared(V: Floats, F: Integers, sigma: float, rng: np.random.Generator) -> Floats:
-    """Noise that neighbours share, over a width of its own."""
-    return noise.correlated(V, F, sigma, rng, int(rng.integers(1, 9)))
 
 
 KINDS = {

@@ -26,6 +26,11 @@ def correlated(V: Floats, F: Integers, sigma: float, rng: np.random.Generator) -
     return V + height * mesh.vertex_normals(V, F)
 
 
+def shared(V: Floats, F: Integers, sigma: float, rng: np.random.Generator) -> Floats:
+    """Noise that neighbours share, over a width of its own."""
+    return noise.correlated(V, F, sigma, rng, int(rng.integers(1, 9)))
+
+
 def uniform(V: Floats, F: Integers, sigma: float, rng: np.random.Generator) -> Floats:
     """Uniform noise of this standard deviation, and of mean zero."""
     amplitude = np.sqrt(12) * sigma * mesh.mean_edge_length(V, F)
@@ -38,11 +43,12 @@ def impulsive(V: Floats, F: Integers, sigma: float, rng: np.random.Generator) ->
 
 
 KINDS = {
-    noise.along_normals: 0.36,
-    noise.gaussian: 0.28,
-    uniform: 0.08,
+    noise.along_normals: 0.34,
+    noise.gaussian: 0.27,
+    uniform: 0.07,
     impulsive: 0.12,
-    correlated: 0.16,
+    correlated: 0.1,
+    shared: 0.1,
 }
 LARGEST = 0.8  # noise size, in mean edges
 CLEAN = 0.05  # share of the examples without noise

@@ -3,6 +3,7 @@
 import numpy as np
 from arrays import Mesh, compact
 from grids import grid
+from reliefs import RELIEFS, with_relief
 from solids import solid, thin
 from surfaces import blobs, rounded, sheets
 from tessellations import WAYS, cut, isotropic, subdivided, with_detail
@@ -11,9 +12,10 @@ from meshfair import mesh
 from meshfair.checks import Floats, Integers
 
 # Generators, how often each is taken, and how often its shapes get fine detail.
-SHARP = {solid: (0.33, 0.1), thin: (0.1, 0.1)}
-SMOOTH = {rounded: (0.18, 0.3), blobs: (0.21, 0.75), sheets: (0.06, 0.4)}
-REGULAR = {grid: (0.12, 0.1)}
+SHARP = {solid: (0.33, 0.12), thin: (0.1, 0.1)}
+SMOOTH = {rounded: (0.18, 0.35), blobs: (0.21, 0.75), sheets: (0.06, 0.4)}
+REGULAR = {grid: (0.12, 0.15)}
+RELIEF = 0.45  # share of the details that are a relief, and no waves
 
 FACES = 2_000, 4_500  # the least and the most that are asked for, where there are edges
 COARSE = 600  # the least where it is smooth
@@ -47,7 +49,10 @@ def _attempt(rng: np.random.Generator) -> Mesh:
     if not raw and make not in REGULAR:
         V, F = (isotropic if make in SMOOTH and way is subdivided else way)(V, F, faces, rng)
     if rng.random() < makers[make][1]:
-        V = with_detail(V, F, rng)
+        if rng.random() < RELIEF:
+            V = with_relief(RELIEFS[rng.integers(len(RELIEFS))], V, F, rng)
+        else:
+            V = with_detail(V, F, rng)
     if rng.random() < 0.15:
         V, F = cut(V, F, rng)
     return V, F
