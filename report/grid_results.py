@@ -98,6 +98,7 @@ def _grid(table: pd.DataFrame) -> dict[str, str]:
     ways = table[~table["method"].isin(["none", "auto"])].pivot(
         index=cells, columns="parameters", values="normal_angle"
     )
+    automatic = (ways["auto"] / ways["default"]).dropna()
     tuned = table[table["parameters"] == "tuned"]
     best = tuned.loc[tuned.groupby(["mesh", "kind", "size"])["normal_angle"].idxmin(), "method"]
     return {
@@ -122,6 +123,10 @@ def _grid(table: pd.DataFrame) -> dict[str, str]:
         "own-default-median": f"{ratio.median():.3f}",
         "own-default-near": f"{100 * (ratio <= NEAR).mean():.0f}",
         "own-default-worst": f"{ratio.max():.1f}",
+        "auto-ratio": f"{np.exp(np.log(automatic).mean()):.2f}",
+        "auto-worse": f"{100 * (automatic > NEAR).mean():.1f}",
+        "auto-worst": f"{automatic.max():.1f}",
+        "auto-worst-mesh": automatic.idxmax()[0],
         "own-harm": str((harm > HARM).sum()),
         "own-harm-worst": f"{100 * (harm.max() - 1):.1f}",
         "own-lost-worst": f"{lost.max():.1f}",

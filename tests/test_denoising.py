@@ -63,8 +63,11 @@ def test_automatic_parameters_are_nearly_those_that_the_clean_mesh_picks(method)
     auto = meshfair.denoise(noisy, F, method, parameters="auto")
     found = metrics.normal_angle(auto.V, V, F)
     assert best <= found
-    # Of what the best of the same candidates gains, nine tenths without the clean mesh.
-    assert before - found > 0.9 * (before - best)
+    # Of what the best of the same candidates gains, four fifths without the clean mesh; and the
+    # defaults are left only for a clear promise, which has to be kept.
+    assert before - found > 0.8 * (before - best)
+    default = metrics.normal_angle(meshfair.denoise(noisy, F, method).V, V, F)
+    assert found <= default
 
 
 def test_a_clean_mesh_is_left_nearly_alone():
