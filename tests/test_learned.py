@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 import meshfair
 from fast import both
-from meshes import grid, soups
-from meshfair import denoising, filters, mesh, noise, operators, shapes, weights
+from meshes import grid, pair, soups
+from meshfair import denoising, filters, mesh, metrics, noise, operators, shapes, weights
 from meshfair.filters import face_network
 from meshfair.filters.face_network import Rings
 from meshfair.filters.guided_normal import Patches
@@ -340,3 +340,10 @@ def test_its_name_in_the_front():
     assert denoising.defaults("learned") == {"stages": 2, "vertex_iterations": 20, "fixed": None}
     found = meshfair.denoise(V, F, "learned", stages=1)
     np.testing.assert_array_equal(found.V, result(V, F, stages=1))
+
+
+# In degrees: what was asked of it before it was trained, and the best other default.
+@pytest.mark.parametrize(("name", "at_most"), [("Fandisk0.3", 2.1), ("Bunny0.2", 5.65)])
+def test_public_pairs_that_it_has_not_seen(mirror, name, at_most):
+    V, clean, F = pair(mirror, name)
+    assert metrics.normal_angle(meshfair.denoise(V, F, "learned").V, clean, F) <= at_most
