@@ -115,7 +115,7 @@ class MeshView {
     const cost = this.panels.reduce((sum, { picture }) => sum + (picture.cost ?? 0), 0);
     const density = Math.max(COARSEST, finest() * Math.min(1, Math.sqrt(BUDGET / cost)));
     // Too many for one frame come one after the other.
-    const pictures = cost && density < 1 ? [this.first(lacking)] : lacking;
+    const pictures = lacking.length > 1 && density < 1 ? [this.first(lacking)] : lacking;
     // Nothing has moved yet where there is no picture.
     for (const picture of pictures) picture.draw(this.camera, picture.cost ? density : finest());
     this.latest = pictures.at(-1);
