@@ -269,11 +269,12 @@ class FlowExplorer(Explorer):
             self.controls["iteration"].value = min(max(iteration, 0), self._iterations)
 
     def _place(self, run: Run) -> None:
-        """Move the slider to the best iteration, and show it."""
+        """Move the slider to the best iteration, where it follows that, and show what is wanted."""
         with self._showing:
-            self._placing = threading.get_ident()
-            self.controls["iteration"].value = run.best_of_all()
-            self._placing = None
+            if self._follow:  # still: a reader may have moved the slider meanwhile
+                self._placing = threading.get_ident()
+                self.controls["iteration"].value = run.best_of_all()
+                self._placing = None
             self._show()
 
     def _show(self, anew: bool = False) -> None:
