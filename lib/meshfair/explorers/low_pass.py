@@ -233,18 +233,19 @@ class LowPassExplorer(Explorer):
         self._placing = None
 
     def _place(self) -> None:
-        """Move the controls to the best, and show it."""
+        """Move the controls to the best, where they follow that, and show what is wanted."""
         with self._showing:
             assert self._found is not None
             found, (counts, decibels) = self._found[1], self._curve
-            for rival in RIVALS:
-                self._steps[rival] = int(np.argmax(found.decibels[rival]))
-            self._set(
-                {
-                    "modes": int(counts[decibels.argmax()]),
-                    "steps": self._steps[self.controls["rival"].value],
-                }
-            )
+            if self._follow:  # still: a reader may have moved a slider meanwhile
+                for rival in RIVALS:
+                    self._steps[rival] = int(np.argmax(found.decibels[rival]))
+                self._set(
+                    {
+                        "modes": int(counts[decibels.argmax()]),
+                        "steps": self._steps[self.controls["rival"].value],
+                    }
+                )
             self._show()
 
     def _show(self, anew: bool = True) -> None:
