@@ -19,11 +19,15 @@ class Source(NamedTuple):
     """One file to download."""
 
     file: str
+    """Its name in the folder of downloads."""
     repository: str
     """Repository and commit on GitHub, as in its raw addresses."""
     path: str
+    """Where it lies in the repository."""
     sha256: str
+    """Its checksum, in hexadecimal digits."""
     note: str
+    """What it is."""
 
 
 _OPEN3D = "isl-org/Open3D/ed30e3b61fbe031e106fa64030bec3f698b316b4"
