@@ -139,7 +139,7 @@ class Prose(HTMLParser):
 
 def test_no_formula_is_left_as_text_and_no_kernel_file_is_named(site):
     for page in pages(site):
-        # Typeset ones stand between \\( and \\), or \\[ and \\].
+        # Typeset ones stand between \( and \), or \[ and \].
         dollars = [text for text in Prose(page).said if "$" in text]
         assert not dollars, (page.name, dollars[:3])
         assert "ipykernel_" not in page.read_text(encoding="utf-8"), page.name

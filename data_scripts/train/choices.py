@@ -4,8 +4,8 @@
 
 An example is a noisy mesh with the traits and the true errors of all candidates on it. A third
 of the shapes are of the generators that the learned filter was trained on, but other ones, and
-the rest of families that it has not seen (`families`). Examples are kept in FOLDER, so that
-what is interrupted goes on where it was.
+the rest of families of which it has seen the reliefs only (`families`). Examples are kept in
+FOLDER, so that what is interrupted goes on where it was.
 """
 
 import argparse

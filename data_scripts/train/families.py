@@ -1,4 +1,7 @@
-"""Families of shapes that the network was not trained on, for the choice between filters."""
+"""Families of shapes for the choice between filters.
+
+The learned filter was trained on none of them but the reliefs, and on these on other shapes.
+"""
 
 import manifold3d as m3
 import numpy as np

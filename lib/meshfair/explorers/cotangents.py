@@ -81,20 +81,7 @@ class CotangentExplorer(Displayed, OnPage, anywidget.AnyWidget):
         points[NAMES.index(name)] = [float(x) for x in place]
         self.points = points
 
-    def to_html(self) -> str:
-        """Give the explorer as a part of a web page, which then computes by itself.
-
-        Returns
-        -------
-        str
-            HTML for a page that has the files of `meshfair.viewer.page_files`; without them
-            a still is seen.
-
-        Raises
-        ------
-        ImportError
-            matplotlib or Pillow is missing; the message says what to install.
-        """
+    def _part(self) -> str:
         return part(pack({"points": self.points}), self._still(), self._said())
 
     def _said(self) -> str:

@@ -165,22 +165,7 @@ class Explorer(Displayed, OnPage):
         """
         return self._note.value, "".join(part.value for part in self._below)
 
-    def to_html(self) -> str:
-        """Go through the settings, and give what is shown as a part of a web page.
-
-        The controls of the page go to stored states: it needs no kernel.
-
-        Returns
-        -------
-        str
-            HTML for a page that has the files of `meshfair.viewer.page_files`; without them,
-            or without WebGL, a still is seen.
-
-        Raises
-        ------
-        ImportError
-            matplotlib or Pillow is missing; the message says what to install.
-        """
+    def _part(self) -> str:
         self.wait(600)
         label = described(self.view.titles, self.view.label)
         with self._coming_back():

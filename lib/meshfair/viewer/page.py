@@ -95,19 +95,25 @@ class OnPage:
     """What can stand on a web page without a kernel: views, and every explorer."""
 
     def to_html(self) -> str:
-        """Give it as a part of a web page.
+        """Give it as a part of a web page, in which meshes turn and controls go on working.
+
+        An explorer goes through its settings for that, and the page's controls go to the states
+        that were stored; a view gives what it shows now.
 
         Returns
         -------
         str
-            HTML for a page that has the files of `meshfair.viewer.page_files`; without them
-            a still is seen.
+            HTML for a page that has the files of `meshfair.viewer.page_files`; without them,
+            or without WebGL, a still is seen.
 
         Raises
         ------
         ImportError
             matplotlib or Pillow is missing; the message says what to install.
         """
+        return self._part()
+
+    def _part(self) -> str:
         raise NotImplementedError
 
     def save(self, path: str | PathLike[str], title: str = "meshfair") -> None:

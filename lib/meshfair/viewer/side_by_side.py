@@ -186,20 +186,7 @@ class SideBySide(OnPage):
         """
         return still(self, size, background)
 
-    def to_html(self) -> str:
-        """What is shown now as a part of a web page, in which the meshes can be turned.
-
-        Returns
-        -------
-        str
-            HTML with the meshes and a still, for a page that has the files of
-            `meshfair.viewer.page_files`; without them, or without WebGL, the still is seen.
-
-        Raises
-        ------
-        ImportError
-            matplotlib or Pillow is missing; the message says what to install.
-        """
+    def _part(self) -> str:
         recording = Recording(self)
         recording.add(self)
         return part(recording.packed(), self.still(), described(self.titles, self.label))
