@@ -40,8 +40,9 @@ CLEAN, FINE = 0.03, 0.5  # shares of examples without noise, and with little
 KNOWN = 0.4  # share of the examples whose noise size is known
 SHARP = 2.5  # how much more the best candidates count: exp(-SHARP * log ratio)
 MODELS = 4  # so many, on other rows each, err less together than one alone
-TREES = {"log_ratio": 200, "gain": 120}  # in each model
+TREES = {"log_ratio": 200, "gain": 120, "alone": 200}  # in each model
 BEST, OTHERS = 14, 14  # how many candidates of an example a model sees
+OWN_BEST, OWN_OTHERS = 2, 2  # and of each method, beside its defaults, one that tells these apart
 NOISE_TRAITS = 2  # the last ones are of the noise size
 HIGHEST = 100.0  # dB: a clean mesh has an SNR without bound
 LOG_RATIOS, GAINS = (-4, 2), (-30, 15)  # what lies beyond counts as these
@@ -109,13 +110,30 @@ class Example:
         log_ratio = np.log((self.angles + LEAST_ANGLE) / (before + LEAST_ANGLE))
         self.log_ratio = np.clip(log_ratio, *LOG_RATIOS)
         self.gain = np.clip(ratios[1:] - ratios[0], *GAINS)
-        near = np.exp(-SHARP * (self.log_ratio - self.log_ratio.min())) + 0.05
-        self.weight = near / near.sum()
+        self.weight = self._weights(np.arange(len(self.rows)))
+        self.weight_alone = np.empty(len(self.rows))
+        for name in BUILT_IN:
+            own = np.flatnonzero(self.methods == name)
+            self.weight_alone[own] = self._weights(own) / len(BUILT_IN)
+
+    def _weights(self, rows: Integers) -> Floats:
+        """How much each of some rows counts: the best ones most, and all of them 1."""
+        near = np.exp(-SHARP * (self.log_ratio[rows] - self.log_ratio[rows].min())) + 0.05
+        return near / near.sum()
 
     def kept(self, rng: np.random.Generator) -> Integers:
         """Rows for one model: the best ones, and some of the others."""
         order = np.argsort(self.log_ratio, kind="stable")
         return np.concatenate([order[:BEST], rng.permutation(order[BEST:])[:OTHERS]])
+
+    def kept_alone(self, rng: np.random.Generator) -> Integers:
+        """Rows for a model that tells one method's apart: of each the best, and some others."""
+        kept: list[Integers] = []
+        for name in BUILT_IN:
+            own = np.flatnonzero(self.methods == name)
+            own = own[np.argsort(self.log_ratio[own], kind="stable")]
+            kept += [own[:OWN_BEST], rng.permutation(own[OWN_BEST:])[:OWN_OTHERS]]
+        return np.unique(np.concatenate([*kept, list(map(self.default, BUILT_IN))]))
 
     def without_noise_size(self) -> Floats:
         """The rows, as they are where the noise size is not known."""
@@ -138,7 +156,7 @@ Trees = dict[str, list[HistGradientBoostingRegressor]]
 
 
 def fitted(examples: list[Example]) -> Trees:
-    """Trees for both numbers of a `Forecast`: of each some models, whose mean it is."""
+    """The trees of `meshfair.denoising.forecast.forests`: of each some models, whose mean it is."""
     trees: Trees = {name: [] for name in TREES}
     for seed, (name, count) in product(range(MODELS), TREES.items()):
         model = HistGradientBoostingRegressor(
@@ -152,19 +170,22 @@ def fitted(examples: list[Example]) -> Trees:
             random_state=seed,
         )
         rng = np.random.default_rng(seed)
-        kept = [e.kept(rng) for e in examples]
+        alone = name == "alone"
+        kept = [e.kept_alone(rng) if alone else e.kept(rng) for e in examples]
         pairs = list(zip(examples, kept, strict=True))
         rows = np.concatenate([e.rows[k] for e, k in pairs])
-        wanted = np.concatenate([getattr(e, name)[k] for e, k in pairs])
-        weight = np.concatenate([e.weight[k] / e.weight[k].sum() for e, k in pairs])
+        learned = "log_ratio" if alone else name
+        wanted = np.concatenate([getattr(e, learned)[k] for e, k in pairs])
+        weights = [(e.weight_alone if alone else e.weight)[k] for e, k in pairs]
+        weight = np.concatenate([each / each.sum() for each in weights])
         model.fit(rows, wanted, weight * len(weight) / weight.sum())
         trees[name].append(model)
     return trees
 
 
-def predicted(trees: Trees, rows: Floats) -> Forecast:
-    """What the trees say of rows of traits."""
-    return Forecast(*(np.mean([m.predict(rows) for m in trees[n]], axis=0) for n in TREES))
+def predicted(trees: Trees, rows: Floats) -> dict[str, Floats]:
+    """What the trees say of rows of traits, by name."""
+    return {name: np.mean([m.predict(rows) for m in trees[name]], axis=0) for name in TREES}
 
 
 def fold_of(number: int) -> int:
@@ -181,13 +202,14 @@ def report_choices(examples: list[Example]) -> None:
         for e in examples:
             if fold_of(e.number) != fold:
                 continue
-            expected, angles = predicted(trees, e.without_noise_size()), e.angles + LEAST_ANGLE
+            said, angles = predicted(trees, e.without_noise_size()), e.angles + LEAST_ANGLE
+            expected, alone = (Forecast(said[n], said["gain"]) for n in ("log_ratio", "alone"))
             best = min(angles[e.default(name)] for name in BUILT_IN)
             row = e.chosen(expected, ALL, AMONG_ALL, FIRST)
             regret["choice"].append(angles[row] / best)
             worse, lost = worse + (e.angles[row] > 1.01 * e.before), lost + (e.gain[row] < -0.1)
             for name in BUILT_IN:
-                own = e.chosen(expected, [name], rule_of(name), name)
+                own = e.chosen(alone, [name], rule_of(name), name)
                 regret[name].append(angles[own] / angles[e.default(name)])
             count += 1
     print(f"{count} examples of families held out; angle over the best default's, or the own:")
@@ -247,7 +269,7 @@ def main() -> None:
     trees = fitted(examples)
     export(trees, len(examples))
     rows = np.concatenate([e.rows[:2] for e in examples[:20]])
-    np.savez_compressed(FIGURES, rows=rows, **predicted(trees, rows)._asdict())
+    np.savez_compressed(FIGURES, rows=rows, **predicted(trees, rows))
 
 
 if __name__ == "__main__":

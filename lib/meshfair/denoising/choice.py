@@ -147,7 +147,7 @@ class Chooser:
             No candidate can be solved.
         """
         candidates = self.candidates(names)
-        expected = forecast(self.rows(candidates))
+        expected = forecast(self.rows(candidates), alone=len(names) == 1)
         untouched = np.array([c.X is self.V for c in candidates])
         usual = FIRST if len(names) > 1 else names[0]
         is_usual = np.array([c.stop is None and c.method == usual for c in candidates])

@@ -78,26 +78,36 @@ class Forecast(NamedTuple):
         return np.exp(self.log_ratio)
 
 
-def forecast(X: Floats) -> Forecast:
+def forecast(X: Floats, alone: bool = False) -> Forecast:
     """How much closer than the noisy mesh results are to the ground truth.
 
     Parameters
     ----------
     X : ndarray of float64, shape (r, number of traits)
         A row of traits for each result.
+    alone : bool
+        Whether the results are one method's: the trees for the ratio are then those that have
+        learned to tell these apart, however good other methods are on the mesh.
 
     Returns
     -------
     Forecast
     """
-    return Forecast(*(forest(X) for forest in forests()))
+    trees = forests()
+    return Forecast(trees["alone" if alone else "log_ratio"](X), trees["gain"](X))
 
 
 @cache
-def forests() -> tuple[Forest, Forest]:
-    """The trees for the ratio and for the gain, from the file that comes with the package."""
+def forests() -> dict[str, Forest]:
+    """The trees from the file that comes with the package.
+
+    Returns
+    -------
+    dict of str to Forest
+        log_ratio and gain, see `Forecast`; and alone, for the log_ratio of one method's results.
+    """
     with np.load(str(files("meshfair.denoising") / "forecast.npz")) as file:
-        return tuple(
-            Forest(*(file[f"{name}/{field}"] for field in Forest._fields))
-            for name in Forecast._fields
-        )  # type: ignore[return-value]
+        return {
+            name: Forest(*(file[f"{name}/{field}"] for field in Forest._fields))
+            for name in ("log_ratio", "gain", "alone")
+        }
