@@ -833,6 +833,42 @@ def test_only_what_changed_is_sent_to_a_page_that_draws(torus):
     assert [set(p["arrays"]) for p in page.messages[-1]["panels"]] == [{"V", "F", "parts"}] * 3
 
 
+def test_a_page_is_told_nothing_until_all_that_changes_together_has_changed(torus):
+    V, F = torus
+    view = View(V, F, backend="webgl")
+    page = Drawing(view)
+    layout = {"kind": "layout", "width": 120, "height": 90, "fresh": True}
+    other = threading.Thread(target=page.send, kwargs=layout)
+    with view.together():
+        view.refit(9 * V)
+        other.start()
+        other.join(0.2)  # time enough to be told of a mesh without its camera
+        assert len(page.messages) == 1
+        view.update(9 * V)
+    other.join()
+    assert len(page.messages) > 1
+    for message in page.messages:  # placed meshes have one size, so one camera sees them all
+        np.testing.assert_allclose(message["camera"], page.messages[0]["camera"], atol=1e-9)
+
+
+def test_a_page_that_changes_its_shape_meanwhile_does_not_move_the_camera(torus, monkeypatch):
+    view = View(*torus, backend="webgl")
+    other = threading.Thread(target=view.fit, args=(0.5,))
+    home = view._camera_home
+
+    def slow_home(*aspect):
+        found = home(*aspect)
+        if threading.current_thread() is not other and not other.ident:
+            other.start()
+            other.join(0.2)
+        return found
+
+    monkeypatch.setattr(view, "_camera_home", slow_home)
+    view.refit(3 * torus[0])
+    other.join()
+    assert view.camera == Camera.around(3 * torus[0], (1, -1, 0.6), aspect=0.5)
+
+
 def test_one_message_is_on_its_way_and_the_newest_comes_next(torus, monkeypatch):
     V, F = torus
     view = View(V, F, backend="webgl")

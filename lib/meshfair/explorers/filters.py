@@ -156,15 +156,15 @@ class FilterExplorer(Explorer):
         """Show the noisy mesh beside a new one, in its own look and coloured by its errors."""
         V, F = self._meshes[settings["mesh"]]
         V_noisy, before = self._start(settings)
+        angles = coloring.normal_angle(V, F)(V_new)
+        frame = Frame(self.view, [V, V_noisy], F)
         with self.view.together():
-            frame = Frame(self.view, [V, V_noisy], F)
             if self._shown is not None and self._shown[0] != settings["mesh"]:
                 self.view.look_at(frame.V)
             else:
                 self.view.refit(frame.V)
             self._shown = settings["mesh"], settings["size"]
             V_drawn, remark = frame.drawn(V_new)
-            angles = coloring.normal_angle(V, F)(V_new)
             self.view.update(V_noisy, panel=0, F=F, title=f"noisy: {_summary(before)}")
             self.view.update(V_drawn, panel=1, F=F, title=title + remark)
             self.view.update(

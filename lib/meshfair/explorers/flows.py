@@ -279,7 +279,7 @@ class FlowExplorer(Explorer):
 
     def _show(self, anew: bool = False) -> None:
         """Show the wanted iteration, or the last one that there is."""
-        with self._showing, self.view.together():
+        with self._showing:
             run, settings = self._run, self.settings()
             if run is None or run.iterations < 0:
                 return
@@ -288,29 +288,31 @@ class FlowExplorer(Explorer):
             values: dict[str, Floats | None] = dict.fromkeys(shown)
             first = None
             if settings["color"] != PLAIN:
-                look = coloring.COLORINGS[settings["color"]]
                 first = run.start.noisy_values(settings["color"])
                 quantity = run.start.quantity(settings["color"])
-                found = {name: quantity(V) for name, V in shown.items()}
-                # The noisy mesh sets the limits, so that the colours fade as the noise goes;
-                # where a mesh gets worse than it, that one does.
-                self.view.color_by(look.label, look.limits(first, *found.values()), look.cmap)
-                values.update(found)
-            if not run.shown:
-                self._frame_start(run.start)
-            if anew or not run.shown:
-                self._show_start(run, first)
-                run.shown = True
-            for name, V in shown.items():
-                V_drawn, remark = self._frame.drawn(V)
-                title = self._title(name, iteration, run) + remark
-                self.view.update(
-                    V_drawn,
-                    panel=self._panel(name),
-                    F=run.start.F,
-                    values=values[name],
-                    title=title,
-                )
+                values = {name: quantity(V) for name, V in shown.items()}
+            with self.view.together():
+                if first is not None:
+                    # The noisy mesh sets the limits, so that the colours fade as the noise goes;
+                    # where a mesh gets worse than it, that one does.
+                    look = coloring.COLORINGS[settings["color"]]
+                    limits = look.limits(first, *(x for x in values.values() if x is not None))
+                    self.view.color_by(look.label, limits, look.cmap)
+                if not run.shown:
+                    self._frame_start(run.start)
+                if anew or not run.shown:
+                    self._show_start(run, first)
+                    run.shown = True
+                for name, V in shown.items():
+                    V_drawn, remark = self._frame.drawn(V)
+                    title = self._title(name, iteration, run) + remark
+                    self.view.update(
+                        V_drawn,
+                        panel=self._panel(name),
+                        F=run.start.F,
+                        values=values[name],
+                        title=title,
+                    )
             self.plots[0].marker = iteration * run.tau
 
     def _title(self, name: str, iteration: int, run: Run) -> str:

@@ -211,8 +211,10 @@ class KernelExplorer(Explorer):
     def _show(self, name: str, states: dict[str, Floats]) -> None:
         V, F = self._meshes[name]
         color = coloring.normal_angle(V, F)
+        values = [color(X) for X in states.values()]
+        angles = [normal_angle(X, V, F) for X in states.values()]
+        frame = Frame(self.view, [V, states["noisy"]], F)
         with self.view.together():
-            frame = Frame(self.view, [V, states["noisy"]], F)
             if self._shown != name:
                 self.view.look_at(frame.V)
                 self._shown = name
@@ -220,8 +222,8 @@ class KernelExplorer(Explorer):
                 self.view.refit(frame.V)
             for panel, (title, X) in enumerate(states.items()):
                 drawn, remark = frame.drawn(X)
-                title = f"{title}: {normal_angle(X, V, F):.1f}°{remark}"
-                self.view.update(drawn, panel=panel, F=F, values=color(X), title=title)
+                title = f"{title}: {angles[panel]:.1f}°{remark}"
+                self.view.update(drawn, panel=panel, F=F, values=values[panel], title=title)
 
     def _draw(self, width: float, tables: list[Floats]) -> None:
         """The kernels against the angle, at a mean distance."""

@@ -250,7 +250,7 @@ class LowPassExplorer(Explorer):
 
     def _show(self, anew: bool = True) -> None:
         """Show the filters that the controls ask for."""
-        with self._showing, self.view.together():
+        with self._showing:
             assert self._found is not None
             settings, found = self.settings(), self._found[1]
             V, F = self._mesh
@@ -258,7 +258,6 @@ class LowPassExplorer(Explorer):
             denoised = self._by_hand(found, count, settings["width"])
             other = found.states[rival][steps]
             frame = Frame(self.view, [V, found.V_noisy], F)
-            self.view.refit(frame.V)
             shown = [found.V_noisy, denoised, other]
             decibels = [snr(V, X) for X in shown]
             titles = [
@@ -271,11 +270,15 @@ class LowPassExplorer(Explorer):
                 look = coloring.COLORINGS[settings["color"]]
                 of = look.of(V, F)
                 given = [of(X) for X in shown]
-                self.view.color_by(look.label, look.limits(*given), look.cmap)
                 values = list(given)
-            for panel, (X, title) in enumerate(zip(shown, titles, strict=True)):
-                X_drawn, remark = frame.drawn(X)
-                self.view.update(X_drawn, panel=panel, values=values[panel], title=title + remark)
+            with self.view.together():
+                self.view.refit(frame.V)
+                if settings["color"] != PLAIN:
+                    self.view.color_by(look.label, look.limits(*given), look.cmap)
+                for panel, (X, title) in enumerate(zip(shown, titles, strict=True)):
+                    X_drawn, remark = frame.drawn(X)
+                    title += remark
+                    self.view.update(X_drawn, panel=panel, values=values[panel], title=title)
             self._draw(found, settings, decibels[1])
 
     def _draw(self, found: Spectrum, settings: Settings, decibels: float) -> None:

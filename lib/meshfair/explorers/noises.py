@@ -97,13 +97,13 @@ class NoiseExplorer(Explorer):
 
         V_noisy = self._noisy(model, settings["size"], seed)
         self.snr = metrics.snr(V + move, V_noisy + move)
-        values = None
+        used, values = np.unique(F), None
+        if settings["color"] != PLAIN:
+            look = coloring.COLORINGS[settings["color"]]
+            values = look.of(V, F)(V_noisy)
         with self.view.together():
-            used = np.unique(F)
             self.view.refit(np.concatenate([V[used], V_noisy[used]]))
-            if settings["color"] != PLAIN:
-                look = coloring.COLORINGS[settings["color"]]
-                values = look.of(V, F)(V_noisy)
+            if values is not None:
                 self.view.color_by(look.label, look.limits(values), look.cmap)
             # The picture stays as it is: moving both meshes changes nothing but the SNR.
             self.view.update(

@@ -8,6 +8,7 @@ them, and they of a view, what stands here and no more.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import AbstractContextManager
 from typing import Any, Protocol
 
 from meshfair.checks import Floats
@@ -37,6 +38,7 @@ class Shown(Protocol):
     It draws panels that are placed, see `meshfair.viewer.placement`.
     """
 
+    lock: AbstractContextManager[bool, None]  # held while it changes, and while all of it is read
     placed: list[Panel]
     titles: list[str]
     label: str
@@ -61,10 +63,11 @@ class Shown(Protocol):
         """Somebody has clicked on a panel; x and y are from -1 to 1."""
 
 
-def moved(view: Shown, move: dict[str, Any]) -> Camera:
-    """The view's camera after a move of the pointer in a page."""
-    camera = view.camera.orbit(move["yaw"], move["pitch"], view.up)
-    return camera.pan(*move["pan"]).zoom(move["zoom"])
+def move_camera(view: Shown, move: dict[str, Any]) -> None:
+    """Move the view's camera as the pointer in a page asks for."""
+    with view.lock:
+        camera = view.camera.orbit(move["yaw"], move["pitch"], view.up)
+        view.camera = camera.pan(*move["pan"]).zoom(move["zoom"])
 
 
 def asked(view: Shown, widget: Any, message: dict[str, Any]) -> None:

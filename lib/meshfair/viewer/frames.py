@@ -20,7 +20,7 @@ import traitlets
 from PIL import Image
 
 from meshfair.viewer import offscreen
-from meshfair.viewer.backend import LOST, Shown, asked, moved
+from meshfair.viewer.backend import LOST, Shown, asked, move_camera
 from meshfair.viewer.offscreen import Pixels
 from meshfair.viewer.page import bar
 from meshfair.viewer.scripts import text
@@ -84,7 +84,7 @@ class Frames:
                 self._wanted.update({k: GOOD for k in self._rough if k not in self._wanted})
             self._pump()
         elif kind == "move":
-            self._view.camera = moved(self._view, message)
+            move_camera(self._view, message)
             self.camera_moved()
         else:
             asked(self._view, self.widget, message)
@@ -112,12 +112,14 @@ class Frames:
         ratio = min(ratio, LARGEST / max(layout["width"], layout["height"]))
         size = (round(layout["width"] * ratio), round(layout["height"] * ratio))
         try:
-            scale, camera = view.scale, view.placed_camera
-            titles = [view.titles[k] for k in panels]
+            with view.lock:
+                scale, camera, label = view.scale, view.placed_camera, view.label
+                titles = [view.titles[k] for k in panels]
+                placed = [view.placed[k] for k in panels]
             pictures = [
                 encode(
                     offscreen.scene().draw(
-                        view.placed[k],
+                        panel,
                         camera,
                         size,
                         slot=k,
@@ -127,7 +129,7 @@ class Frames:
                     ),
                     quality,
                 )
-                for k in panels
+                for k, panel in zip(panels, placed, strict=True)
             ]
         except Exception as error:  # it would vanish with this thread: the page shows it
             self.widget.send({"kind": "error", "text": f"{type(error).__name__}: {error}"})
@@ -141,7 +143,7 @@ class Frames:
             "panels": panels,
             "titles": titles,
             "draft": quality == DRAFT,
-            "bar": scale and bar(scale, view.label),
+            "bar": scale and bar(scale, label),
         }
         self.widget.send(frame, pictures)
 

@@ -15,7 +15,7 @@ import anywidget
 import numpy as np
 import traitlets
 
-from meshfair.viewer.backend import LOST, Shown, asked, moved
+from meshfair.viewer.backend import LOST, Shown, asked, move_camera
 from meshfair.viewer.packing import look, parts
 from meshfair.viewer.page import bar
 from meshfair.viewer.scripts import LIVE, text
@@ -74,7 +74,7 @@ class InPage:
             self._sent = None
             self._pump()
         elif kind == "move":
-            self._view.camera = moved(self._view, message)
+            move_camera(self._view, message)
             # To the page that moved it, an answer; to others with the same view, the news.
             self.widget.send({"kind": "moved", "by": message["by"], **self._camera()})
         else:
@@ -89,14 +89,15 @@ class InPage:
             if self._fresh:
                 self._known = [{} for _ in self._known]
             buffers: list[bytes] = []
-            scale = self._view.scale
-            message = {
-                "kind": "show",
-                "whole": self._fresh,
-                "panels": [self._panel(k, buffers) for k in sorted(self._wanted)],
-                "bar": scale and bar(scale, self._view.label),
-                **(self._camera() if self._aimed else {}),
-            }
+            with self._view.lock:
+                scale = self._view.scale
+                message = {
+                    "kind": "show",
+                    "whole": self._fresh,
+                    "panels": [self._panel(k, buffers) for k in sorted(self._wanted)],
+                    "bar": scale and bar(scale, self._view.label),
+                    **(self._camera() if self._aimed else {}),
+                }
             self._wanted, self._aimed, self._fresh = set(), False, False
             self._sent = time.monotonic()
         self.widget.send(message, buffers)

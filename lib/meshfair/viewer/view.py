@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterable, Iterator, Sequence
+import threading
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from numpy.typing import ArrayLike
@@ -101,8 +102,9 @@ class View(Displayed, SideBySide):
             direction=direction,
             up=up,
         )
-        self._changed: set[int] | None = None  # panels changed inside `together`
-        self._moved = False  # the camera was, there
+        self.lock: contextlib.AbstractContextManager[bool, None] = threading.RLock()
+        # What was changed inside of `together`: how many blocks deep, panels, and the camera.
+        self._depth, self._changed, self._moved = 0, set[int](), False
         self._on_pick: Callable[[int, int], object] | None = None
         self._backend: Backend = made(backend, self)
         self._saved = Saved(self.widget, self.state, self.kept)
@@ -193,30 +195,44 @@ class View(Displayed, SideBySide):
             No mesh, values that do not fit it, or no such panel.
         """
         panel = check_choice(panel, "panel", range(len(self.panels)))
-        old = self.panels[panel]
-        title = self.titles[panel] if title is None else check_text(title, "title")
-        self.panels[panel] = self._panel(
-            old.V if V is None else V, old.F if F is None else F, values
-        )
-        self.titles[panel] = title
-        if self._placement.holds(self.panels):
-            self.placed[panel] = self._placement.panel(self.panels[panel])
-            self._refresh([panel])
-        else:
-            self._place()
-            self._refresh(range(len(self.panels)), moved=True)
+        with self.together():
+            old = self.panels[panel]
+            title = self.titles[panel] if title is None else check_text(title, "title")
+            self.panels[panel] = self._panel(
+                old.V if V is None else V, old.F if F is None else F, values
+            )
+            self.titles[panel] = title
+            if self._placement.holds(self.panels):
+                self.placed[panel] = self._placement.panel(self.panels[panel])
+                self._changed.add(panel)
+            else:
+                self._place()
+                self._changed.update(range(len(self.panels)))
+                self._moved = True
 
     @contextlib.contextmanager
     def together(self) -> Iterator[View]:
-        """Changes in this block reach the page as one frame."""
-        changed: set[int] = set()
-        self._changed = changed
+        """Changes in this block reach the page as one frame; no frame is drawn meanwhile."""
+        outermost, changed, moved = False, set[int](), False
         try:
-            yield self
+            with self.lock:
+                outermost = self._depth == 0
+                self._depth += 1
+                try:
+                    yield self
+                finally:
+                    self._depth -= 1
+                    if outermost:
+                        changed, self._changed = self._changed, set()
+                        moved, self._moved = self._moved, False
         finally:
-            moved, self._moved = self._moved, False
-            self._changed = None
-            self._refresh(changed, moved=moved)
+            # Without the lock, for which what draws may wait.
+            if moved:
+                self._backend.camera_moved(changed)
+            elif changed:
+                self._backend.refresh(changed)
+            if moved or changed:
+                self._tell()
 
     def color_by(
         self, label: str, limits: tuple[float, float] | None = None, cmap: str | None = None
@@ -237,10 +253,11 @@ class View(Displayed, SideBySide):
         ValueError
             A label that is no text, ``limits`` that are no range, or an unknown ``cmap``.
         """
-        bar = coloring(label, limits, self.cmap if cmap is None else cmap)
-        if bar != (self.label, self.limits, self.cmap):
-            self.label, self.limits, self.cmap = bar
-            self._refresh(range(len(self.panels)))
+        with self.together():
+            bar = coloring(label, limits, self.cmap if cmap is None else cmap)
+            if bar != (self.label, self.limits, self.cmap):
+                self.label, self.limits, self.cmap = bar
+                self._changed.update(range(len(self.panels)))
 
     def refit(self, V: ArrayLike) -> None:
         """Point the reset button at other points, and the camera with it.
@@ -258,18 +275,21 @@ class View(Displayed, SideBySide):
         MeshError
             No points.
         """
-        before = self._camera_home()
-        self._home = (check_vertices(V).copy(), self._home[1])
-        after = self._camera_home()
-        if after == before:
-            return
-        self.camera = after if self.camera == before else self.camera.follow(before, after)
-        self._refresh([], moved=True)
+        V = check_vertices(V).copy()
+        with self.together():
+            before = self._camera_home()
+            self._home = (V, self._home[1])
+            after = self._camera_home()
+            if after != before:
+                untouched = self.camera == before
+                self.camera = after if untouched else self.camera.follow(before, after)
+                self._moved = True
 
     def reset(self) -> None:
         """Go back to the camera of the beginning, or of the last `look_at` or `refit`."""
-        super().reset()
-        self._refresh([], moved=True)
+        with self.together():
+            super().reset()
+            self._moved = True
 
     def on_pick(self, function: Callable[[int, int], object] | None) -> None:
         """Say what a click on a mesh does.
@@ -315,20 +335,12 @@ class View(Displayed, SideBySide):
         ValueError
             An ``aspect`` that is no finite number above 0.
         """
-        untouched = self.camera == self._camera_home()
-        self.aspect = check_number(aspect, "aspect", 0, open_low=True)
-        if untouched:
-            self.camera = self._camera_home()
-
-    def _refresh(self, panels: Iterable[int], moved: bool = False) -> None:
-        """Draw some panels again, and all of them where the camera has moved."""
-        if self._changed is None:
-            draw = self._backend.camera_moved if moved else self._backend.refresh
-            draw(panels)
-        else:
-            self._changed.update(panels)
-            self._moved = self._moved or moved
-        self._tell()
+        aspect = check_number(aspect, "aspect", 0, open_low=True)
+        with self.lock:
+            untouched = self.camera == self._camera_home()
+            self.aspect = aspect
+            if untouched:
+                self.camera = self._camera_home()
 
     def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         """The live view, and a still of it for readers without a kernel; or a part of a page."""
