@@ -35,7 +35,7 @@ RESULTS = ROOT / "report" / "results"
 FIGURES = ROOT / "tests" / "learned.npz"  # what torch makes of a small mesh, for the tests
 MOVES = 20  # how often the vertices are moved after a stage: the filter's default
 NAMES = ("first", "second")
-STEPS = 12_000, 7_000
+STEPS = 12_000, 16_000
 SHAPES = 2_000
 
 
