@@ -8,7 +8,7 @@ import pytest
 import meshfair
 from meshes import grid
 from meshfair import denoising, metrics, noise, shapes
-from meshfair.denoising.choice import PATCH, PATCHES, WHOLE, Chooser, sample
+from meshfair.denoising.choice import INNER, PATCH, PATCHES, WHOLE, Chooser, sample
 from meshfair.denoising.forecast import Forecast, Forest, forests
 from meshfair.denoising.rules import Rule, ranking
 from meshfair.denoising.traits import Traits
@@ -108,14 +108,28 @@ def test_the_less_the_gain_in_decibels_the_less_are_good_normals_believed():
 def test_a_large_mesh_is_tried_in_patches():
     V, F = shapes.icosphere(5)
     assert len(F) > WHOLE
-    vertices, small = sample(V, F)
-    assert PATCH < len(small) <= PATCHES * PATCH
+    found = sample(V, F)
     original = {tuple(sorted(face)) for face in F.tolist()}
-    assert all(tuple(sorted(face)) in original for face in vertices[small].tolist())
-    assert np.array_equal(np.unique(small), np.arange(len(vertices)))
-    all_vertices, same = sample(*shapes.icosphere(2))
-    assert len(same) == 320
-    assert len(all_vertices) == 162
+    parts = {PATCH: (found.vertices, found.F), INNER: (found.vertices[found.inner], found.F_inner)}
+    for faces, (vertices, small) in parts.items():
+        assert faces < len(small) <= PATCHES * faces
+        assert all(tuple(sorted(face)) in original for face in vertices[small].tolist())
+        assert np.array_equal(np.unique(small), np.arange(len(vertices)))
+    all_of_it = sample(*shapes.icosphere(2))
+    assert len(all_of_it.F) == len(all_of_it.F_inner) == 320
+    assert len(all_of_it.vertices) == len(all_of_it.inner) == 162
+
+
+@pytest.mark.parametrize("method, iterations", [("averaging", 2), ("taubin", 1)])
+def test_what_is_looked_at_of_a_patch_is_what_becomes_of_it_in_the_mesh(method, iterations):
+    # Two averagings, or there and back once, reach two rings; so many lie around what is inside.
+    V, F = shapes.icosphere(5)
+    V_noisy = noise.along_normals(V, F, 0.2, np.random.default_rng(0))
+    given = {"iterations": iterations}
+    chooser = Chooser(V_noisy, F, given, None, lambda part: None)
+    X = denoising.denoise(V_noisy, F, method, **given).V[chooser.vertices]
+    last = chooser.candidates([method])[-1]
+    np.testing.assert_allclose(last.X, X, atol=1e-12)
 
 
 def test_the_front_chooses_and_says_why():

@@ -41,7 +41,9 @@ REFERENCES: tuple[tuple[str, Parameters], ...] = (
 )
 WHOLE = 4_000
 """Faces up to which a mesh is tried whole; of a larger one `PATCHES` patches are."""
-PATCHES, PATCH = 4, 800
+PATCHES, PATCH, INNER = 4, 800, 500
+"""How many, their faces, and those inside of a patch that are looked at: a filter makes of a
+patch's border what it would not make of it in the mesh."""
 # Of what the learned filter takes away: mean size over root mean square, which is below this for
 # noise on some vertices in 19 of 20 of training's meshes, and for other noise in 1 of 20; and
 # the correlation of neighbours, above this for correlated noise in 3 of 4, for other in 1 of 10.
@@ -94,7 +96,7 @@ class Chooser:
     vertices : ndarray of int64, shape (k,)
         Those of the sample.
     V, F
-        The sample, as V and F are given.
+        The sample, as V and F are given: what the candidates are looked at by.
 
     Raises
     ------
@@ -114,10 +116,12 @@ class Chooser:
             raise MeshError(
                 "V, F: all edges have length 0, so that no noise can be told from shape"
             )
-        self.vertices, self.F = sample(V, F)
+        self._patches = sample(V, F)
+        self._tried = V[self._patches.vertices]
+        self.vertices, self.F = self._patches.vertices[self._patches.inner], self._patches.F_inner
         self.V, self.chosen, self.report = V[self.vertices], chosen, report
         if chosen.get("fixed") is not None:
-            self.chosen = chosen | {"fixed": chosen["fixed"][self.vertices]}
+            self.chosen = chosen | {"fixed": chosen["fixed"][self._patches.vertices]}
         self.sigma = sigma
         self.traits = Traits(self.V, self.F, sigma)
         self.failed: list[tuple[Parameters, SolveError]] = []
@@ -215,15 +219,15 @@ class Chooser:
 
     def _reference(self, name: str, parameters: Parameters) -> Floats:
         try:
-            *_, (_, X) = find_method(name).function(
-                self.V, self.F, **self._filled(name, parameters)
-            )
+            *_, (_, X) = self._run(name, parameters)
         except SolveError:  # the noisy mesh stands for what cannot be solved
             return self.V
-        return X
+        return self._inside(X)
 
-    def _filled(self, name: str, parameters: Parameters) -> Parameters:
-        return find_method(name).filled_in(self.V, self.F, parameters)
+    def _run(self, name: str, parameters: Parameters) -> Iterator[tuple[float, Floats]]:
+        """A method on the patches."""
+        method, V, F = find_method(name), self._tried, self._patches.F
+        return method.function(V, F, **method.filled_in(V, F, parameters))
 
     def _results(self, name: str, parameters: Parameters) -> Iterator[Candidate]:
         """What comes of a trial; where it is the method's only one, after fewer iterations, too."""
@@ -234,13 +238,17 @@ class Chooser:
         if len(method.candidates) > 1 and known:
             yield known[0]
             return
-        last, count = self.V, 0
-        for _, X in method.function(self.V, self.F, **self._filled(name, parameters)):
+        last, count = self._tried, 0
+        for _, X in self._run(name, parameters):
             if X is not last:
                 if len(method.candidates) == 1 and method.count and count in STEPS:
-                    yield Candidate(name, parameters, count, last)
+                    yield Candidate(name, parameters, count, self._inside(last))
                 last, count = X, count + 1
-        yield Candidate(name, parameters, None, last)
+        yield Candidate(name, parameters, None, self._inside(last))
+
+    def _inside(self, X: Floats) -> Floats:
+        """Of positions on the patches those that are looked at."""
+        return self.V if X is self._tried else X[self._patches.inner]
 
     def _reason(self, candidate: Candidate, ratio: float) -> str:
         """What the noise looks like, and how much of the error should be left."""
@@ -256,7 +264,20 @@ class Chooser:
         return f"noise of {size:.2g} edges{kind}; {ratio:.0%} of the error should be left"
 
 
-def sample(V: Floats, F: Integers) -> tuple[Integers, Integers]:
+class Patches(NamedTuple):
+    """Some patches of a mesh, or all of a small one."""
+
+    vertices: Integers
+    """Which ones of the mesh's, shape (k,)."""
+    F: Integers
+    """Their faces, by positions in ``vertices``."""
+    inner: Integers
+    """Which ones of ``vertices`` lie inside, away from the patches' borders; shape (l,)."""
+    F_inner: Integers
+    """The faces inside, by positions in ``inner``."""
+
+
+def sample(V: Floats, F: Integers) -> Patches:
     """A mesh's vertices and faces, or those of some patches of a large one.
 
     Parameters
@@ -266,17 +287,16 @@ def sample(V: Floats, F: Integers) -> tuple[Integers, Integers]:
 
     Returns
     -------
-    vertices : ndarray of int64, shape (k,)
-        Which ones they are.
-    F : ndarray of int64, shape (l, 3)
-        Their faces, by positions in ``vertices``.
+    Patches
     """
     if len(F) <= WHOLE:
-        return np.arange(len(V)), F
+        return Patches(np.arange(len(V)), F, np.arange(len(V)), F)
     C = face_shapes(V, F)[2]
     axis = np.linalg.svd(np.cov(C.T))[0][:, 0]  # along which the mesh is longest
     order = np.argsort(C @ axis, kind="stable")
     centres = C[order[(2 * np.arange(PATCHES) + 1) * len(F) // (2 * PATCHES)]]
-    faces = np.unique(cKDTree(C).query(centres, PATCH)[1])
-    vertices, small = np.unique(F[faces], return_inverse=True)
-    return vertices, small.reshape(-1, 3)
+    near = cKDTree(C).query(centres, PATCH)[1]  # the nearest first
+    vertices, small = np.unique(F[np.unique(near)], return_inverse=True)
+    within, small_within = np.unique(F[np.unique(near[:, :INNER])], return_inverse=True)
+    inner = np.searchsorted(vertices, within)
+    return Patches(vertices, small.reshape(-1, 3), inner, small_within.reshape(-1, 3))
