@@ -120,7 +120,7 @@ def test_a_large_mesh_is_tried_in_patches():
     assert len(all_of_it.vertices) == len(all_of_it.inner) == 162
 
 
-@pytest.mark.parametrize("method, iterations", [("averaging", 2), ("taubin", 1)])
+@pytest.mark.parametrize(("method", "iterations"), [("averaging", 2), ("taubin", 1)])
 def test_what_is_looked_at_of_a_patch_is_what_becomes_of_it_in_the_mesh(method, iterations):
     # Two averagings, or there and back once, reach two rings; so many lie around what is inside.
     V, F = shapes.icosphere(5)
