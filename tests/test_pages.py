@@ -449,8 +449,7 @@ def test_a_view_without_egl_is_drawn_by_the_page_and_turned_by_both(browser, kno
     expected = home.orbit(angle, 0, view.up)
     np.testing.assert_allclose(view.camera.position, expected.position, atol=1e-6)
     # Python turns, and the page follows.
-    view.camera = home
-    view._refresh([], moved=True)
+    view.reset()
     live.settle()
     assert live.pictures() == first
     tab.locator(".stage").nth(1).press("ArrowLeft")
