@@ -93,10 +93,10 @@ class Chooser:
 
     Attributes
     ----------
-    vertices : ndarray of int64, shape (k,)
-        Those of the sample.
+    vertices : ndarray of int64, shape (l,)
+        Those of the sample that candidates are looked at by: its inside, see `Sample`.
     V, F
-        The sample, as V and F are given: what the candidates are looked at by.
+        Its positions and faces, as V and F are given.
 
     Raises
     ------
@@ -116,12 +116,12 @@ class Chooser:
             raise MeshError(
                 "V, F: all edges have length 0, so that no noise can be told from shape"
             )
-        self._patches = sample(V, F)
-        self._tried = V[self._patches.vertices]
-        self.vertices, self.F = self._patches.vertices[self._patches.inner], self._patches.F_inner
+        self._sample = sample(V, F)
+        self._tried = V[self._sample.vertices]
+        self.vertices, self.F = self._sample.vertices[self._sample.inner], self._sample.F_inner
         self.V, self.chosen, self.report = V[self.vertices], chosen, report
         if chosen.get("fixed") is not None:
-            self.chosen = chosen | {"fixed": chosen["fixed"][self._patches.vertices]}
+            self.chosen = chosen | {"fixed": chosen["fixed"][self._sample.vertices]}
         self.sigma = sigma
         self.traits = Traits(self.V, self.F, sigma)
         self.failed: list[tuple[Parameters, SolveError]] = []
@@ -226,7 +226,7 @@ class Chooser:
 
     def _run(self, name: str, parameters: Parameters) -> Iterator[tuple[float, Floats]]:
         """A method on the patches."""
-        method, V, F = find_method(name), self._tried, self._patches.F
+        method, V, F = find_method(name), self._tried, self._sample.F
         return method.function(V, F, **method.filled_in(V, F, parameters))
 
     def _results(self, name: str, parameters: Parameters) -> Iterator[Candidate]:
@@ -248,7 +248,7 @@ class Chooser:
 
     def _inside(self, X: Floats) -> Floats:
         """Of positions on the patches those that are looked at."""
-        return self.V if X is self._tried else X[self._patches.inner]
+        return self.V if X is self._tried else X[self._sample.inner]
 
     def _reason(self, candidate: Candidate, ratio: float) -> str:
         """What the noise looks like, and how much of the error should be left."""
@@ -264,20 +264,20 @@ class Chooser:
         return f"noise of {size:.2g} edges{kind}; {ratio:.0%} of the error should be left"
 
 
-class Patches(NamedTuple):
+class Sample(NamedTuple):
     """Some patches of a mesh, or all of a small one."""
 
     vertices: Integers
     """Which ones of the mesh's, shape (k,)."""
     F: Integers
-    """Their faces, by positions in ``vertices``."""
+    """Their faces, by positions in ``vertices``; shape (m, 3)."""
     inner: Integers
     """Which ones of ``vertices`` lie inside, away from the patches' borders; shape (l,)."""
     F_inner: Integers
-    """The faces inside, by positions in ``inner``."""
+    """The faces inside, by positions in ``inner``; shape (p, 3)."""
 
 
-def sample(V: Floats, F: Integers) -> Patches:
+def sample(V: Floats, F: Integers) -> Sample:
     """A mesh's vertices and faces, or those of some patches of a large one.
 
     Parameters
@@ -287,10 +287,10 @@ def sample(V: Floats, F: Integers) -> Patches:
 
     Returns
     -------
-    Patches
+    Sample
     """
     if len(F) <= WHOLE:
-        return Patches(np.arange(len(V)), F, np.arange(len(V)), F)
+        return Sample(np.arange(len(V)), F, np.arange(len(V)), F)
     C = face_shapes(V, F)[2]
     axis = np.linalg.svd(np.cov(C.T))[0][:, 0]  # along which the mesh is longest
     order = np.argsort(C @ axis, kind="stable")
@@ -299,4 +299,4 @@ def sample(V: Floats, F: Integers) -> Patches:
     vertices, small = np.unique(F[np.unique(near)], return_inverse=True)
     within, small_within = np.unique(F[np.unique(near[:, :INNER])], return_inverse=True)
     inner = np.searchsorted(vertices, within)
-    return Patches(vertices, small.reshape(-1, 3), inner, small_within.reshape(-1, 3))
+    return Sample(vertices, small.reshape(-1, 3), inner, small_within.reshape(-1, 3))
