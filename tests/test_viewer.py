@@ -399,6 +399,7 @@ def test_what_is_no_argument_is_refused_in_one_sentence(torus, options, message)
     (lambda view: Camera((0, 0, np.inf), (0, 0, 0), UP), "position is"),
     (lambda view: Camera((0, 0, 3), (0, 0, 1), UP), "up is .* along which the camera looks"),
     (lambda view: viewer.render(*mesh_of(view), None), "camera is None; give a"),
+    (lambda view: setattr(view, "camera", "top"), "camera is 'top'; give a"),
     (lambda view: viewer.render(*mesh_of(view), view.camera, size=(0, 1)), "from 1 to 8192"),
     (lambda view: viewer.render(*mesh_of(view), view.camera, quality=9), "quality is 9"),
     (lambda view: viewer.render(*mesh_of(view), view.camera, edges=None), "edges is None"),
@@ -831,6 +832,32 @@ def test_only_what_changed_is_sent_to_a_page_that_draws(torus):
     # Another page, or the same one loaded anew, gets everything.
     page.send(kind="layout", width=120, height=90, fresh=True)
     assert [set(p["arrays"]) for p in page.messages[-1]["panels"]] == [{"V", "F", "parts"}] * 3
+
+
+def test_a_camera_that_is_set_is_the_pages_at_once(torus):
+    view = View(*torus, backend="webgl")
+    page, told = Drawing(view), []
+    view.follow(lambda: told.append(view.camera))
+    view.camera = nearer = view.camera.zoom(0.5)
+    placed = view.placed_camera
+    assert page.camera == [*placed.position, *placed.target, *placed.up]
+    assert (told, page.messages[-1]["panels"]) == ([nearer], [])
+    with view.together():
+        view.camera = nearer.zoom(0.5)
+        view.update(2 * torus[0])
+        assert len(page.messages) == 2
+    assert len(page.messages) == 3
+
+
+@needs_egl
+def test_a_camera_that_is_set_is_drawn_at_once(torus):
+    view = View(*torus)
+    page = Page(view)
+    _, (near,) = page.wait_for(lambda m: m.get("number") == 1)
+    view.camera = view.camera.zoom(2)
+    _, (far,) = page.wait_for(lambda m: m.get("number") == 2)
+    near, far = (np.asarray(Image.open(io.BytesIO(p)).convert("L")) for p in (near, far))
+    assert (far < 250).sum() < (near < 250).sum() / 3  # twice as far away: a quarter of it
 
 
 def test_a_page_is_told_nothing_until_all_that_changes_together_has_changed(torus):

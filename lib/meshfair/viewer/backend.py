@@ -7,7 +7,7 @@ them, and they of a view, what stands here and no more.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager
 from typing import Any, Protocol
 
@@ -43,7 +43,6 @@ class Shown(Protocol):
     titles: list[str]
     label: str
     up: Floats
-    camera: Camera
 
     @property
     def placed_camera(self) -> Camera:
@@ -56,6 +55,9 @@ class Shown(Protocol):
     def fit(self, aspect: float) -> None:
         """The page says the shape of the panels, width over height."""
 
+    def turn(self, yaw: float, pitch: float, pan: Sequence[float], zoom: float) -> None:
+        """A pointer in the page has moved the camera."""
+
     def reset(self) -> None:
         """The page asks for the first camera again."""
 
@@ -63,11 +65,9 @@ class Shown(Protocol):
         """Somebody has clicked on a panel; x and y are from -1 to 1."""
 
 
-def move_camera(view: Shown, move: dict[str, Any]) -> None:
-    """Move the view's camera as the pointer in a page asks for."""
-    with view.lock:
-        camera = view.camera.orbit(move["yaw"], move["pitch"], view.up)
-        view.camera = camera.pan(*move["pan"]).zoom(move["zoom"])
+def turned(view: Shown, move: dict[str, Any]) -> None:
+    """Move the view's camera as a page says."""
+    view.turn(move["yaw"], move["pitch"], move["pan"], move["zoom"])
 
 
 def asked(view: Shown, widget: Any, message: dict[str, Any]) -> None:

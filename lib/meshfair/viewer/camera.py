@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -233,3 +234,16 @@ class Camera:
             for point in (self.position, self.target)
         )
         return Camera(_point(position), _point(target), self.up)
+
+
+def check_camera(camera: Any) -> Camera:
+    """What is given, where it is a camera.
+
+    Raises
+    ------
+    ValueError
+        It is none.
+    """
+    if not isinstance(camera, Camera):
+        raise ValueError(f"camera is {camera!r}; give a meshfair.viewer.Camera")
+    return camera

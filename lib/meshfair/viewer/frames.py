@@ -20,7 +20,7 @@ import traitlets
 from PIL import Image
 
 from meshfair.viewer import offscreen
-from meshfair.viewer.backend import LOST, Shown, asked, move_camera
+from meshfair.viewer.backend import LOST, Shown, asked, turned
 from meshfair.viewer.offscreen import Pixels
 from meshfair.viewer.page import bar
 from meshfair.viewer.scripts import text
@@ -84,7 +84,7 @@ class Frames:
                 self._wanted.update({k: GOOD for k in self._rough if k not in self._wanted})
             self._pump()
         elif kind == "move":
-            move_camera(self._view, message)
+            turned(self._view, message)
             self.camera_moved()
         else:
             asked(self._view, self.widget, message)

@@ -15,7 +15,7 @@ import anywidget
 import numpy as np
 import traitlets
 
-from meshfair.viewer.backend import LOST, Shown, asked, move_camera
+from meshfair.viewer.backend import LOST, Shown, asked, turned
 from meshfair.viewer.packing import look, parts
 from meshfair.viewer.page import bar
 from meshfair.viewer.scripts import LIVE, text
@@ -74,7 +74,7 @@ class InPage:
             self._sent = None
             self._pump()
         elif kind == "move":
-            move_camera(self._view, message)
+            turned(self._view, message)
             # To the page that moved it, an answer; to others with the same view, the news.
             self.widget.send({"kind": "moved", "by": message["by"], **self._camera()})
         else:

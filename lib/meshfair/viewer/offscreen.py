@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from meshfair.checks import check_choice, check_flag, check_mesh, check_size, check_values
 from meshfair.mesh import takes_meshes
-from meshfair.viewer.camera import FIELD_OF_VIEW, Camera
+from meshfair.viewer.camera import FIELD_OF_VIEW, Camera, check_camera
 from meshfair.viewer.egl import MISSING_EGL, MISSING_POLYSCOPE, has_egl, has_polyscope
 from meshfair.viewer.painter import paint
 from meshfair.viewer.panel import LINES, NONE, SURFACE, Panel, Scale, colors
@@ -112,8 +112,7 @@ def render(
     V, F = check_mesh(V, F)
     size = check_size(size, "size", 1, LARGEST)
     quality = check_choice(quality, "quality", (1, 2, 3, 4))
-    if not isinstance(camera, Camera):
-        raise ValueError(f"camera is {camera!r}; give a meshfair.viewer.Camera")
+    check_camera(camera)
     numbers = None if values is None else check_values(values, len(V), len(F), finite=False)
     # A copy: the scene knows its arrays by identity, and the caller may write to its own.
     smooth, edges = check_flag(smooth, "smooth"), check_flag(edges, "edges")

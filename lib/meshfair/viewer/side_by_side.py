@@ -17,7 +17,7 @@ from meshfair.checks import (
     check_vertices,
 )
 from meshfair.viewer.arguments import coloring, each, each_mesh, each_title
-from meshfair.viewer.camera import Camera
+from meshfair.viewer.camera import Camera, check_camera
 from meshfair.viewer.page import OnPage, described, part
 from meshfair.viewer.panel import NONE, Panel, Scale
 from meshfair.viewer.placement import Placement
@@ -83,7 +83,7 @@ class SideBySide(OnPage):
         self._home = np.concatenate(drawn), self.direction
         self._place()
         self.aspect = STILL[0] / STILL[1] / count  # of each panel, width over height
-        self.camera = self._camera_home()
+        self._camera = self._camera_home()
 
     def _panel(self, V: ArrayLike, F: ArrayLike, values: ArrayLike | None) -> Panel:
         V, F = check_mesh(V, F)
@@ -95,6 +95,18 @@ class SideBySide(OnPage):
         """Place all panels anew, for what draws them."""
         self._placement = Placement.of(self.panels)
         self.placed = [self._placement.panel(panel) for panel in self.panels]
+
+    @property
+    def camera(self) -> Camera:
+        """The camera that sees all panels."""
+        return self._camera
+
+    @camera.setter
+    def camera(self, camera: Camera) -> None:
+        self._aim(check_camera(camera))
+
+    def _aim(self, camera: Camera) -> None:
+        self._camera = camera
 
     @property
     def placed_camera(self) -> Camera:
@@ -127,7 +139,7 @@ class SideBySide(OnPage):
 
     def reset(self) -> None:
         """Go back to the camera of the beginning, or of the last `look_at`."""
-        self.camera = self._camera_home()
+        self._aim(self._camera_home())
 
     def _camera_home(self, aspect: float | None = None) -> Camera:
         V, direction = self._home

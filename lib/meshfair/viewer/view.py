@@ -71,8 +71,6 @@ class View(Displayed, SideBySide):
     >>> View(*shapes.knot(), titles="the knot")  # doctest: +SKIP
     """
 
-    _followers: Sequence[Callable[[], object]] = ()
-
     def __init__(
         self,
         V: Any,
@@ -108,22 +106,16 @@ class View(Displayed, SideBySide):
         self._on_pick: Callable[[int, int], object] | None = None
         self._backend: Backend = made(backend, self)
         self._saved = Saved(self.widget, self.state, self.kept)
-        self._followers = [self._saved.changed]
+        self._followers: Sequence[Callable[[], object]] = [self._saved.changed]
 
     @property
     def widget(self) -> Any:
         """The ipywidget, to put into a layout of one's own."""
         return self._backend.widget
 
-    @property
-    def camera(self) -> Camera:
-        """The camera that sees all panels."""
-        return self._camera
-
-    @camera.setter
-    def camera(self, camera: Camera) -> None:
-        self._camera = camera
-        self._tell()
+    def _aim(self, camera: Camera) -> None:
+        with self.together():
+            self._camera, self._moved = camera, True
 
     def follow(self, function: Callable[[], object]) -> None:
         """Say what is called after each change of what is shown.
@@ -282,14 +274,17 @@ class View(Displayed, SideBySide):
             after = self._camera_home()
             if after != before:
                 untouched = self.camera == before
-                self.camera = after if untouched else self.camera.follow(before, after)
-                self._moved = True
+                self._aim(after if untouched else self.camera.follow(before, after))
+
+    def look_at(self, V: ArrayLike, direction: ArrayLike | None = None) -> None:
+        """As `SideBySide.look_at`, and the page sees it."""
+        with self.together():
+            super().look_at(V, direction)
 
     def reset(self) -> None:
         """Go back to the camera of the beginning, or of the last `look_at` or `refit`."""
         with self.together():
             super().reset()
-            self._moved = True
 
     def on_pick(self, function: Callable[[int, int], object] | None) -> None:
         """Say what a click on a mesh does.
@@ -340,7 +335,24 @@ class View(Displayed, SideBySide):
             untouched = self.camera == self._camera_home()
             self.aspect = aspect
             if untouched:
-                self.camera = self._camera_home()
+                self._camera = self._camera_home()
+        self._tell()
+
+    def turn(self, yaw: float, pitch: float, pan: Sequence[float], zoom: float) -> None:
+        """A pointer has moved the camera; the page says so, and draws it, or asks for it.
+
+        Parameters
+        ----------
+        yaw, pitch
+            As in `Camera.orbit`.
+        pan
+            As in `Camera.pan`.
+        zoom
+            As in `Camera.zoom`.
+        """
+        with self.lock:
+            self._camera = self.camera.orbit(yaw, pitch, self.up).pan(*pan).zoom(zoom)
+        self._tell()
 
     def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         """The live view, and a still of it for readers without a kernel; or a part of a page."""
