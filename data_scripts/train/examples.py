@@ -2,6 +2,7 @@
 
 import numpy as np
 import torch
+from kernels import Moved
 from network import tensors
 
 from meshfair import _fast, mesh, noise, operators, weights
@@ -87,6 +88,7 @@ class Example:
 
     def __init__(self, surface: Surface, V: Floats, previous: Floats) -> None:
         F, smoothed = surface.F, surfaces(V, surface.F)
+        self.mesh = V, F, surface.B
         bank = np.stack([*filtered_normals(V, F, smoothed, surface.patches)], axis=1)
         N, area, C = mesh.face_shapes(V, F)
         smooth = mesh.face_shapes(smoothed[0], F)[2]
@@ -94,3 +96,14 @@ class Example:
         self.inputs = tensors(G, Rings(surface.patches.rings, C, smooth, area))
         self.wanted = torch.from_numpy(surface.N).float()
         self.noisy = float(np.linalg.norm(N - surface.N, axis=1).mean())
+
+    def errors(self, wanted: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+        """How far from the true normals those are that a stage wants, and what they lead to.
+
+        The mean distance of both, that of the normals of the mesh without faces that have
+        turned over: these are for the first to mend.
+        """
+        moved = Moved.apply(wanted, *self.mesh)
+        upright = (moved * self.wanted).sum(dim=1).detach() > 0
+        apart = [(N - self.wanted).norm(dim=1) for N in (wanted, moved)]
+        return apart[0].mean(), (apart[1] * upright).mean()

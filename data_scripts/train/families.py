@@ -5,9 +5,8 @@ The learned filter was trained on none of them but the reliefs, and on these on 
 
 import manifold3d as m3
 import numpy as np
-from arrays import Mesh, compact, triangles
+from arrays import Mesh, convex_hull, triangles
 from reliefs import RELIEFS, with_relief
-from scipy.spatial import ConvexHull
 from skimage.measure import marching_cubes
 from tessellations import WAYS, cut, isotropic, subdivided
 
@@ -20,13 +19,7 @@ FEWEST, MOST = 300, 6_000  # what may come of it
 def polyhedron(rng: np.random.Generator) -> Mesh:
     """A convex polyhedron of random facets."""
     P = rng.normal(size=(int(rng.integers(6, 60)), 3))
-    hull = ConvexHull(P / np.linalg.norm(P, axis=1, keepdims=True) * rng.uniform(0.5, 1.3, 3))
-    F = hull.simplices.astype(np.int64)
-    V = hull.points
-    N = np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]])
-    inward = np.sum(N * hull.equations[:, :3], axis=1) < 0
-    F[inward] = F[inward][:, ::-1]
-    return compact(V, F)
+    return convex_hull(P / np.linalg.norm(P, axis=1, keepdims=True) * rng.uniform(0.5, 1.3, 3))
 
 
 def superquadric(rng: np.random.Generator) -> Mesh:

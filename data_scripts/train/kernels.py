@@ -1,4 +1,4 @@
-"""The sums over edges of the network, and their derivatives, for torch.
+"""The sums over edges of the network, what comes of it, and their derivatives, for torch.
 
 torch gathers and adds rows by index slowly on a CPU; these loops do it in one
 pass each. An edge goes from face i to a face j of its ring, row after row of a
@@ -7,11 +7,14 @@ CSR matrix; a face's vectors are a row of 3 x K numbers.
 
 from typing import Any
 
+import moves
 import numba
 import numpy as np
 import torch
+from scipy.sparse import csr_array
 from torch.autograd.function import once_differentiable
 
+from meshfair.checks import Floats, Integers
 from meshfair.filters.face_network import NEAR as NEAR_SQUARED
 
 NEAR = np.float32(NEAR_SQUARED)
@@ -100,6 +103,24 @@ class Mixed(torch.autograd.Function):
     def backward(ctx: Any, g: torch.Tensor) -> Any:
         """By x and w."""
         return tuple(map(torch.from_numpy, _mixed_back(*ctx.data, g.contiguous().numpy())))
+
+
+class Moved(torch.autograd.Function):
+    """The unit normals of the faces, shape (m, 3), after the vertices have moved to fit."""
+
+    @staticmethod
+    def forward(ctx: Any, N: torch.Tensor, V: Floats, F: Integers, B: csr_array) -> torch.Tensor:
+        """From the normals that the faces should have, the vertices, and who has which face."""
+        ctx.data = N.detach().numpy().astype(float), F, B.indptr, B.indices
+        ctx.places = moves.places(V, *ctx.data, moves.MOVES)
+        return torch.from_numpy(moves.normals(ctx.places[-1], F).astype(np.float32))
+
+    @staticmethod
+    @once_differentiable
+    def backward(ctx: Any, g: torch.Tensor) -> Any:
+        """By the normals that the faces should have."""
+        back = moves.slopes(ctx.places, *ctx.data, g.numpy().astype(float))
+        return torch.from_numpy(back.astype(np.float32)), None, None, None
 
 
 def _ends_and_share(edges: Edges) -> tuple[Any, ...]:

@@ -14,6 +14,7 @@ from network import Stage
 
 RATE, WARMING = 2e-3, 100  # of Adam at its highest; steps until then
 BATCH = 2  # meshes a step
+MESH = 0.7  # share of the loss that looks at the mesh which comes of the normals
 AVERAGED = 0.99  # how much of their mean the weights keep in each step
 FIRST, NEW, KEPT = 100, 0.6, 700  # examples at first, new ones a step, examples kept
 REPORT = 25  # steps between two lines
@@ -96,8 +97,8 @@ def learn(
     parameters = list(stage.parameters())
 
     def loss_of(example: Example) -> tuple[tuple[torch.Tensor, ...], float, float]:
-        error = (stage(*example.inputs) - example.wanted).norm(dim=1).mean()
-        loss = error / (0.1 + example.noisy)
+        wanted, error = example.errors(stage(*example.inputs))
+        loss = ((1 - MESH) * wanted + MESH * error) / (0.1 + example.noisy)
         return torch.autograd.grad(loss, parameters), float(loss.detach()), float(error.detach())
 
     threads = ThreadPoolExecutor(2)

@@ -30,6 +30,11 @@ def with_relief(make: Relief, V: Floats, F: Integers, rng: np.random.Generator) 
     return V + height[:, None] * N
 
 
+def with_any_relief(V: Floats, F: Integers, rng: np.random.Generator) -> Floats:
+    """Positions with one of this module's reliefs, see `with_relief`."""
+    return with_relief(RELIEFS[rng.integers(len(RELIEFS))], V, F, rng)
+
+
 def dimples(V: Floats, N: Floats, edge: float, rng: np.random.Generator) -> Floats:
     """Dents or knobs of one size, at about equal distances."""
     distance = edge * _between(2.5, 10, rng)

@@ -91,6 +91,28 @@ def with_detail(V: Floats, F: Integers, rng: np.random.Generator) -> Floats:
     return V
 
 
+def with_roughness(V: Floats, F: Integers, rng: np.random.Generator) -> Floats:
+    """Bumps of all widths from about one edge to 20, finer ones lower by a power of the width."""
+    length, N = mesh.mean_edge_length(V, F), mesh.vertex_normals(V, F)
+    widths = rng.uniform(0.7, 1.4) * 2.0 ** np.arange(5)
+    steepness = widths ** rng.uniform(-0.6, 0.4)
+    steepness *= np.exp(rng.uniform(np.log(0.03), np.log(0.4))) / np.linalg.norm(steepness)
+    f = sum(
+        s * w / np.pi * waves(V, np.pi / (w * length), rng)
+        for s, w in zip(steepness, widths, strict=True)
+    )
+    if rng.random() < 0.5:
+        f = f * np.clip(0.6 + waves(V, 2 * np.pi / (length * rng.uniform(20, 60)), rng), 0, 1)
+    return V + (length * f)[:, None] * N
+
+
+def near(V: Floats, F: Integers, faces: int, rng: np.random.Generator) -> Mesh:
+    """The part of a mesh that is near to one of its vertices, about this many faces."""
+    C = V[F].mean(axis=1)
+    away = np.linalg.norm(C - V[rng.integers(len(V))], axis=1)
+    return compact(V, F[np.argsort(away)[:faces]])
+
+
 def cut(V: Floats, F: Integers, rng: np.random.Generator) -> Mesh:
     """The part on one side of a plane, and perhaps with a hole in it."""
     C = V[F].mean(axis=1)

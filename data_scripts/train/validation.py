@@ -8,8 +8,7 @@ from collections.abc import Callable
 
 import manifold3d as m3
 import numpy as np
-from arrays import Mesh, compact, triangles
-from scipy.spatial import ConvexHull
+from arrays import Mesh, convex_hull, triangles
 from skimage.measure import marching_cubes
 from tessellations import decimated, isotropic
 
@@ -48,13 +47,8 @@ def crystal() -> Mesh:
     """A convex polyhedron with many facets, blunt and sharp edges."""
     rng = np.random.default_rng(3)
     P = rng.normal(size=(28, 3))
-    hull = ConvexHull(P / np.linalg.norm(P, axis=1, keepdims=True) * [1, 0.8, 1.2])
-    F = hull.simplices.astype(np.int64)
-    V = hull.points
-    N = np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]])
-    inward = np.sum(N * hull.equations[:, :3], axis=1) < 0
-    F[inward] = F[inward][:, ::-1]
-    return _remeshed(compact(V, F))
+    P = P / np.linalg.norm(P, axis=1, keepdims=True) * [1, 0.8, 1.2]
+    return _remeshed(convex_hull(P))
 
 
 def bracket() -> Mesh:
