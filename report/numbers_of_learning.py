@@ -69,6 +69,7 @@ def _training(data: Tables) -> Texts:
         "learned-stages": str(len(stages)),
         "learned-numbers": f"{sum(part.size for part in stages[0].values()):,}",
         "learned-shapes": f"{int(re.match(r'[0-9]+', how['data'])[0]):,}",  # type: ignore[index]
+        "learned-mesh-share": how["loss"].partition("%")[0],
         "learned-largest": re.search(r"up to ([0-9.]+) edges", how["data"])[1],  # type: ignore[index]
     }
     for stage, rows in curve.groupby("stage"):
