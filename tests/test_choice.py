@@ -4,6 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import shortest_path
 
 import meshfair
 from meshes import grid
@@ -11,8 +13,9 @@ from meshfair import denoising, metrics, noise, shapes
 from meshfair.denoising.choice import INNER, PATCH, PATCHES, WHOLE, Chooser, sample
 from meshfair.denoising.forecast import Forecast, Forest, forests
 from meshfair.denoising.rules import Rule, ranking
-from meshfair.denoising.traits import Traits
+from meshfair.denoising.traits import Traits, at_distances
 from meshfair.experiments import choices
+from meshfair.mesh import Edges
 
 
 def noisy_torus(size=0.2, seed=0):
@@ -61,6 +64,25 @@ def test_traits_of_a_plane_by_hand():
         heights, _ = traits._high_frequencies(lifted, np.array([[0.0, 0, 1]]), power)
         size = np.sqrt(np.mean(heights**2)) * traits.length
         assert size == pytest.approx(1e-3, rel=4 * np.sqrt(2 / 1681))
+
+
+def test_vertices_so_many_edges_apart_are_those_of_shortest_paths():
+    V, F = shapes.torus(sections=11, sides=6)
+    edges = Edges.of_all(F, len(V))
+    i, j = edges.ends.T
+    graph = csr_array((np.ones(len(i)), (i, j)), shape=(len(V), len(V)))
+    steps = shortest_path(graph, directed=False, unweighted=True)
+    for k, D in enumerate(at_distances(edges, 5), start=1):
+        np.testing.assert_array_equal(D.toarray(), steps == k)
+
+
+def test_how_far_opposite_vertices_have_moved_alike():
+    # Opposite vertices of an octahedron are two edges apart, and none is further away.
+    V = np.concatenate([np.eye(3), -np.eye(3)])
+    F = [[x, y, z] for x in (0, 3) for y in (1, 4) for z in (2, 5)]
+    traits = Traits(V, np.array(F))
+    np.testing.assert_allclose(traits._alike(V[:, 0]), [-1, 0, 0, 0, 0], atol=1e-7)
+    np.testing.assert_allclose(traits._alike(3 * V[:, 0] ** 2 - 1), [1, 0, 0, 0, 0], atol=1e-7)
 
 
 def test_traits_do_not_depend_on_place_scale_and_order():

@@ -1,6 +1,6 @@
 """The learned filter: torch's own figures, the formula in loops, its symmetries, odd meshes."""
 
-import runpy
+import importlib
 from importlib.resources import files
 from itertools import pairwise
 from pathlib import Path
@@ -344,8 +344,8 @@ def test_its_name_in_the_front():
     np.testing.assert_array_equal(found.V, result(V, F, stages=1))
 
 
-# In degrees: what was asked of it before it was trained, and the best other default.
-@pytest.mark.parametrize(("name", "at_most"), [("Fandisk0.3", 2.1), ("Bunny0.2", 5.65)])
+# In degrees: what was asked of it before it was trained. The best other defaults: 2.20, 5.65.
+@pytest.mark.parametrize(("name", "at_most"), [("Fandisk0.3", 2.1), ("Bunny0.2", 5.0)])
 def test_public_pairs_that_it_has_not_seen(mirror, name, at_most):
     V, clean, F = pair(mirror, name)
     assert metrics.normal_angle(meshfair.denoise(V, F, "learned").V, clean, F) <= at_most
@@ -354,21 +354,22 @@ def test_public_pairs_that_it_has_not_seen(mirror, name, at_most):
 # What training learns by: the normals of the mesh that comes of those that were wanted.
 
 
-@pytest.fixture(scope="module")
-def moves():
-    """What `data_scripts/train/moves.py` defines."""
-    return runpy.run_path(str(FIGURES.parents[1] / "data_scripts" / "train" / "moves.py"))
+@pytest.fixture
+def moves(monkeypatch):
+    """`data_scripts/train/moves.py`."""
+    monkeypatch.syspath_prepend(FIGURES.parents[1] / "data_scripts" / "train")
+    return importlib.import_module("moves")
 
 
 def test_training_moves_vertices_as_the_filter_does(moves):
     V, F = noisy_torus()
     B, wanted = incidence(F, len(V)), mesh.face_normals(*shapes.torus(sections=16, sides=8))
-    X = moves["places"](V, wanted, F, B.indptr, B.indices, moves["MOVES"])
+    X = moves.places(V, wanted, F, B.indptr, B.indices, moves.MOVES)
     for before, after in pairwise(X):
         moved = move_vertices(before, F, B, wanted, np.zeros(len(V), dtype=bool))
         np.testing.assert_allclose(after, moved, rtol=0, atol=1e-13)
-    assert moves["MOVES"] == denoising.defaults("learned")["vertex_iterations"]
-    np.testing.assert_allclose(moves["normals"](X[-1], F), mesh.face_normals(X[-1], F), atol=1e-12)
+    assert moves.MOVES == denoising.defaults("learned")["vertex_iterations"]
+    np.testing.assert_allclose(moves.normals(X[-1], F), mesh.face_normals(X[-1], F), atol=1e-12)
 
 
 def test_training_follows_slopes_that_differences_have(moves):
@@ -378,14 +379,14 @@ def test_training_follows_slopes_that_differences_have(moves):
     g, way = rng.normal(size=(2, *wanted.shape))
 
     def places(step):
-        return moves["places"](V, wanted + step * way, F, B.indptr, B.indices, moves["MOVES"])
+        return moves.places(V, wanted + step * way, F, B.indptr, B.indices, moves.MOVES)
 
     def value(step):
-        return np.sum(g * moves["normals"](places(step)[-1], F))
+        return np.sum(g * moves.normals(places(step)[-1], F))
 
     area = mesh.face_areas(places(0)[-1], F)
-    assert area.min() > moves["SMALLEST"] * area.mean()  # no slope is held down
-    slope = moves["slopes"](places(0), wanted, F, B.indptr, B.indices, g)
+    assert area.min() > moves.SMALLEST * area.mean()  # no slope is held down
+    slope = moves.slopes(places(0), wanted, F, B.indptr, B.indices, g)
     # Central differences err by the square of the step, and by rounding over the step.
     difference = (value(1e-5) - value(-1e-5)) / 2e-5
     assert np.sum(slope * way) == pytest.approx(difference, rel=1e-6)

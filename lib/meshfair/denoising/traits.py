@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_array, eye_array
 
 from meshfair.checks import Floats, Integers
 from meshfair.mesh import Edges, face_shapes, interior_edges, mean_edge_length, normalised
@@ -21,6 +22,8 @@ from meshfair.sure import high_passes, noise_by_differences
 LENGTH, RATIO, SQUARE = 1e-3, 1e-4, 1e-8
 POWERS = 4
 """Highest power of I - W~ whose output is looked at."""
+FARTHEST = 6
+"""Edges between vertices, at most, of which it is looked at whether they have moved alike."""
 
 
 class Traits:
@@ -43,6 +46,7 @@ class Traits:
         self.beside = interior_edges(F).faces.T
         self.N, self.area, _ = face_shapes(V, F)
         self.references: list[tuple[Floats, Floats]] = []
+        self._away = at_distances(self.edges, FARTHEST)
         self._K = high_passes(F, len(V), POWERS)
         self._norms = [np.sqrt(K.power(2).sum(axis=1)) for K in self._K]
         for norm in self._norms:
@@ -110,6 +114,7 @@ class Traits:
             np.mean(along * self._averaged(self._averaged(along))) / square,
             _mean_dot(across[i], across[j]) / square_across,
             np.mean(along) / np.sqrt(square),
+            *self._alike(along - along.mean()),
             np.log(np.median(rough) + LENGTH),
             np.log(_rms(rough) + LENGTH),
             bends.mean(),
@@ -162,6 +167,14 @@ class Traits:
         along = np.sum(D * n, axis=1)
         return np.abs(along), np.linalg.norm(D - along[:, None] * n, axis=1)
 
+    def _alike(self, x: Floats) -> list[float]:
+        """How far vertices some edges apart have moved alike: relief that repeats shows in that.
+
+        Of vertices 2 .. FARTHEST edges apart, the mean product in the mean square.
+        """
+        square = np.mean(x**2) + SQUARE
+        return [x @ (D @ x) / max(D.nnz, 1) / square for D in self._away[1:]]
+
     def _averaged(self, X: Floats) -> Floats:
         """W~ X."""
         return X - self._K[0] @ X
@@ -173,6 +186,31 @@ class Traits:
 
     def _vertex_normals(self, N: Floats, area: Floats) -> Floats:
         return normalised(self.B @ (N * area[:, None]))
+
+
+def at_distances(edges: Edges, farthest: int) -> list[csr_array]:
+    """Which vertices are 1, 2 .. ``farthest`` edges apart, as ones in a matrix for each.
+
+    Parameters
+    ----------
+    edges : Edges
+    farthest : int
+
+    Returns
+    -------
+    list of csr_array of float64, each of shape (n, n)
+    """
+    i, j = edges.ends.T
+    ones = np.ones(len(i), dtype=bool)
+    A = csr_array((ones, (i, j)), shape=(edges.n, edges.n))
+    reached = eye_array(edges.n, dtype=bool, format="csr")
+    near = A + A.T + reached
+    found = []
+    for _ in range(farthest):
+        before, reached = reached, reached @ near
+        found.append(reached.astype(float) - before.astype(float))
+        found[-1].eliminate_zeros()
+    return found
 
 
 def _angles(M: Floats, N: Floats) -> Floats:
