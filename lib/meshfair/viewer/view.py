@@ -277,7 +277,20 @@ class View(Displayed, SideBySide):
                 self._aim(after if untouched else self.camera.follow(before, after))
 
     def look_at(self, V: ArrayLike, direction: ArrayLike | None = None) -> None:
-        """As `SideBySide.look_at`, and the page sees it."""
+        """Point the camera, and the reset button, at some points.
+
+        Parameters
+        ----------
+        V : array_like, shape (k, 3)
+            What should fill the picture, such as a part's vertices.
+        direction : three floats, optional
+            From there towards the camera; the view's own by default.
+
+        Raises
+        ------
+        MeshError, ValueError
+            No points, or no direction.
+        """
         with self.together():
             super().look_at(V, direction)
 
