@@ -100,8 +100,16 @@ class Example:
     def errors(self, wanted: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
         """How far from the true normals those are that a stage wants, and what they lead to.
 
-        The mean distance of both, that of the normals of the mesh without faces that have
-        turned over: these are for the first to mend.
+        Parameters
+        ----------
+        wanted : tensor, shape (m, 3)
+            Unit normals.
+
+        Returns
+        -------
+        two tensors
+            The mean distance of both, that of the normals of the mesh without faces that have
+            turned over: these are for the first to mend.
         """
         moved = Moved.apply(wanted, *self.mesh)
         upright = (moved * self.wanted).sum(dim=1).detach() > 0

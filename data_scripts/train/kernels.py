@@ -16,6 +16,7 @@ from torch.autograd.function import once_differentiable
 
 from meshfair.checks import Floats, Integers
 from meshfair.filters.face_network import NEAR as NEAR_SQUARED
+from meshfair.mesh import face_normals
 
 NEAR = np.float32(NEAR_SQUARED)
 
@@ -111,15 +112,16 @@ class Moved(torch.autograd.Function):
     @staticmethod
     def forward(ctx: Any, N: torch.Tensor, V: Floats, F: Integers, B: csr_array) -> torch.Tensor:
         """From the normals that the faces should have, the vertices, and who has which face."""
-        ctx.data = N.detach().numpy().astype(float), F, B.indptr, B.indices
-        ctx.places = moves.places(V, *ctx.data, moves.MOVES)
-        return torch.from_numpy(moves.normals(ctx.places[-1], F).astype(np.float32))
+        wanted = N.detach().numpy().astype(float)
+        places = moves.places(V, wanted, F, B)
+        ctx.data = places, wanted, F, B.indptr, B.indices
+        return torch.from_numpy(face_normals(places[-1], F).astype(np.float32))
 
     @staticmethod
     @once_differentiable
     def backward(ctx: Any, g: torch.Tensor) -> Any:
         """By the normals that the faces should have."""
-        back = moves.slopes(ctx.places, *ctx.data, g.numpy().astype(float))
+        back = moves.slopes(*ctx.data, g.contiguous().numpy().astype(float))
         return torch.from_numpy(back.astype(np.float32)), None, None, None
 
 

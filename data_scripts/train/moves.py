@@ -7,6 +7,10 @@ Vertex i has the faces ``faces[start[i]:start[i + 1]]``, as in the rows of a CSR
 
 import numba
 import numpy as np
+from scipy.sparse import csr_array
+
+from meshfair.checks import Floats, Integers
+from meshfair.filters.normal_filtering import move_vertices
 
 MOVES = 20  # how often the vertices are moved after a stage: the filter's default
 SMALLEST = 0.05  # of the mean area: the slope of the normal of a smaller face is cut off
@@ -15,30 +19,17 @@ LEAST = 1e-300  # what no face is smaller than, where it is divided by
 loop = numba.njit(nogil=True, cache=True, error_model="numpy")
 
 
-@loop
-def places(V, N, F, start, faces, moves):
-    """The vertices before each step and after the last, shape (moves + 1, n, 3)."""
-    X = np.empty((moves + 1, *V.shape))
-    X[0] = V
-    height = np.empty(len(F))
-    for k in range(moves):
-        x, moved = X[k], X[k + 1]
-        for f in range(len(F)):
-            height[f] = _height(x, N, F, f)
-        for i in range(len(V)):
-            for axis in range(3):
-                moved[i, axis] = x[i, axis]
-            for p in range(start[i], start[i + 1]):
-                f = faces[p]
-                way = (height[f] - _dot(N, f, x, i)) / (start[i + 1] - start[i])
-                for axis in range(3):
-                    moved[i, axis] += way * N[f, axis]
-    return X
+def places(V: Floats, N: Floats, F: Integers, B: csr_array) -> Floats:
+    """The vertices before each move and after the last, shape (MOVES + 1, n, 3)."""
+    X, free = [V], np.zeros(len(V), dtype=bool)
+    for _ in range(MOVES):
+        X.append(move_vertices(X[-1], F, B, N, free))
+    return np.stack(X)
 
 
 @loop
 def slopes(X, N, F, start, faces, g):
-    """The slopes of sum(g * normals(X[-1], F)) by N, shape (m, 3); X from `places`."""
+    """The slopes of sum(g * normals of X[-1]) by N, shape (m, 3); X from `places`."""
     gN, gX = np.zeros_like(N), _slopes_of_normals(X[-1], F, g)
     before, c, gc = np.empty_like(gX), np.empty_like(N), np.empty_like(N)
     for k in range(len(X) - 2, -1, -1):
@@ -66,19 +57,8 @@ def slopes(X, N, F, start, faces, g):
 
 
 @loop
-def normals(V, F):
-    """Unit normals of the faces, shape (m, 3)."""
-    N = _areas(V, F)
-    for f in range(len(F)):
-        size = max(np.sqrt(_dot(N, f, N, f)), LEAST)
-        for axis in range(3):
-            N[f, axis] /= size
-    return N
-
-
-@loop
 def _slopes_of_normals(V, F, g):
-    """The slopes of sum(g * normals(V, F)) by V; what a tiny face would do is held down."""
+    """The slopes of sum(g * normals of V) by V, shape (n, 3); those of tiny faces held down."""
     gV, N, across = np.zeros_like(V), _areas(V, F), np.empty_like(g)
     size = np.sqrt((N * N).sum(axis=1))
     least = max(SMALLEST * size.mean(), LEAST)
@@ -106,11 +86,6 @@ def _areas(V, F):
             N[f, x] = (V[b, y] - V[a, y]) * (V[c, z] - V[a, z])
             N[f, x] -= (V[b, z] - V[a, z]) * (V[c, y] - V[a, y])
     return N
-
-
-@loop
-def _height(V, N, F, f):
-    return (_dot(N, f, V, F[f, 0]) + _dot(N, f, V, F[f, 1]) + _dot(N, f, V, F[f, 2])) / 3
 
 
 @loop

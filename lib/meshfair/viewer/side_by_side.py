@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from meshfair.checks import (
+    Floats,
     check_direction,
     check_flag,
     check_mesh,
@@ -134,11 +135,15 @@ class SideBySide(OnPage):
             No points, or no direction.
         """
         towards = self.direction if direction is None else check_direction(direction, "direction")
-        self._home = (check_vertices(V).copy(), towards)
-        self.reset()
+        self._go_home((check_vertices(V).copy(), towards))
 
     def reset(self) -> None:
-        """Go back to the camera of the beginning, or of the last `look_at`."""
+        """Go back to the camera of the beginning, or to what it was last pointed at."""
+        self._go_home()
+
+    def _go_home(self, home: tuple[Floats, Floats] | None = None) -> None:
+        """Go to what the reset button shows, and before make that these points from there."""
+        self._home = self._home if home is None else home
         self._aim(self._camera_home())
 
     def _camera_home(self, aspect: float | None = None) -> Camera:

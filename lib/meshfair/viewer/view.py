@@ -9,7 +9,7 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from meshfair.checks import check_choice, check_number, check_text, check_vertices
+from meshfair.checks import Floats, check_choice, check_number, check_text, check_vertices
 from meshfair.viewer.arguments import coloring
 from meshfair.viewer.backend import Backend
 from meshfair.viewer.camera import Camera
@@ -116,6 +116,10 @@ class View(Displayed, SideBySide):
     def _aim(self, camera: Camera) -> None:
         with self.together():
             self._camera, self._moved = camera, True
+
+    def _go_home(self, home: tuple[Floats, Floats] | None = None) -> None:
+        with self.together():
+            super()._go_home(home)
 
     def follow(self, function: Callable[[], object]) -> None:
         """Say what is called after each change of what is shown.
@@ -276,29 +280,6 @@ class View(Displayed, SideBySide):
                 untouched = self.camera == before
                 self._aim(after if untouched else self.camera.follow(before, after))
 
-    def look_at(self, V: ArrayLike, direction: ArrayLike | None = None) -> None:
-        """Point the camera, and the reset button, at some points.
-
-        Parameters
-        ----------
-        V : array_like, shape (k, 3)
-            What should fill the picture, such as a part's vertices.
-        direction : three floats, optional
-            From there towards the camera; the view's own by default.
-
-        Raises
-        ------
-        MeshError, ValueError
-            No points, or no direction.
-        """
-        with self.together():
-            super().look_at(V, direction)
-
-    def reset(self) -> None:
-        """Go back to the camera of the beginning, or of the last `look_at` or `refit`."""
-        with self.together():
-            super().reset()
-
     def on_pick(self, function: Callable[[int, int], object] | None) -> None:
         """Say what a click on a mesh does.
 
@@ -356,12 +337,12 @@ class View(Displayed, SideBySide):
 
         Parameters
         ----------
-        yaw, pitch
-            As in `Camera.orbit`.
-        pan
-            As in `Camera.pan`.
-        zoom
-            As in `Camera.zoom`.
+        yaw, pitch : float
+            In radians, as in `Camera.orbit`.
+        pan : two floats
+            In heights of the picture, as in `Camera.pan`.
+        zoom : float
+            Above 0, as in `Camera.zoom`.
         """
         with self.lock:
             self._camera = self.camera.orbit(yaw, pitch, self.up).pan(*pan).zoom(zoom)
