@@ -196,10 +196,12 @@ def learned(folder: Path, data: Tables) -> None:
             colour = OTHER_COLORS[stage - 1]
             left.plot(rows["step"], rows["loss"], color=colour, label=f"stage {stage}")
             marked = rows.dropna(subset=["sharp", "smooth"])
-            for kind, style in (("sharp", "o-"), ("smooth", "s--")):
+            for kind, style in (("sharp", "-"), ("smooth", "--")):
                 label = f"stage {stage}, {kind}"
-                right.plot(marked["step"], marked[kind], style, ms=3, color=colour, label=label)
-        left.set(xlabel="step", ylabel="loss", ylim=(0, None))
+                right.plot(marked["step"], marked[kind], style, color=colour, label=label)
+        left.set(xlabel="step", ylabel="loss", yscale="log")
+        left.set_yticks((0.2, 0.5, 1), labels=("0.2", "0.5", "1"))
+        left.minorticks_off()
         right.set(xlabel="step", ylabel="mean normal angle (degrees)", ylim=(0, None))
         left.legend()
         right.legend(ncols=2, fontsize=7.5)
