@@ -6,7 +6,7 @@ The learned filter was trained on none of them but the reliefs, and on these on 
 import manifold3d as m3
 import numpy as np
 from arrays import Mesh, convex_hull, triangles
-from reliefs import RELIEFS, with_relief
+from reliefs import RELIEFS, lattices, with_relief
 from skimage.measure import marching_cubes
 from tessellations import WAYS, cut, isotropic, subdivided
 
@@ -155,7 +155,8 @@ def bristles(rng: np.random.Generator) -> Mesh:
 AS_THEY_ARE = terrain, tube
 SMOOTH = superquadric, minimal, carved
 PLAIN = (polyhedron, prism, turned, jets, bristles, *SMOOTH, *AS_THEY_ARE)
-FAMILIES = (*PLAIN, *RELIEFS)
+ALL_RELIEFS = (*RELIEFS, lattices)
+FAMILIES = (*PLAIN, *ALL_RELIEFS)
 
 
 def family(number: int) -> Mesh:
@@ -163,7 +164,7 @@ def family(number: int) -> Mesh:
     for attempt in range(50):
         rng = np.random.default_rng([7, number, attempt])
         made = FAMILIES[number % len(FAMILIES)]
-        make = PLAIN[rng.integers(len(PLAIN))] if made in RELIEFS else made
+        make = PLAIN[rng.integers(len(PLAIN))] if made in ALL_RELIEFS else made
         V, F = make(rng)
         if make not in AS_THEY_ARE:
             way = list(WAYS)[rng.choice(len(WAYS), p=np.array(list(WAYS.values())))]
@@ -173,5 +174,5 @@ def family(number: int) -> Mesh:
         if rng.random() < 0.1:
             V, F = cut(V, F, rng)
         if FEWEST <= len(F) <= MOST:
-            return (with_relief(made, V, F, rng) if made in RELIEFS else V), F
+            return (with_relief(made, V, F, rng) if made in ALL_RELIEFS else V), F
     raise RuntimeError(f"shape {number} has not come about in 50 attempts")

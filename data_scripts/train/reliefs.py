@@ -1,4 +1,4 @@
-"""Relief that filters take for noise: dimples, strokes, knurls and ripples, some edges wide."""
+"""Relief that filters take for noise: dimples, strokes, knurls, ripples, lattices of bumps."""
 
 from collections.abc import Callable
 
@@ -76,6 +76,18 @@ def ripples(V: Floats, N: Floats, edge: float, rng: np.random.Generator) -> Floa
     return edge * _between(0.1, 1, rng) * (wave if rng.random() < 0.6 else np.abs(wave))
 
 
+def lattices(V: Floats, N: Floats, edge: float, rng: np.random.Generator) -> Floats:
+    """Bumps and dents that repeat in two or three directions: waves of one length, 2 to 8 edges."""
+    length, count = edge * _between(2, 8, rng), int(rng.integers(2, 4))
+    ways = rng.normal(size=(count, 3))
+    if rng.random() < 0.5:
+        ways = np.linalg.qr(ways.T)[0].T
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    waves = np.sin(2 * np.pi * V @ ways.T / length + rng.uniform(0, 2 * np.pi, count))
+    bumps = waves.prod(axis=1) if rng.random() < 0.5 else waves.mean(axis=1)
+    return edge * _between(0.08, 0.8, rng) * bumps
+
+
 def _wave(V: Floats, edge: float, rng: np.random.Generator) -> Floats:
     """A sine of 3 to 12 edges, along a direction, or round a point."""
     length, k = edge * _between(3, 12, rng), rng.normal(size=3)
@@ -102,3 +114,4 @@ def _between(low: float, high: float, rng: np.random.Generator) -> float:
 
 
 RELIEFS = dimples, strokes, knurls, ripples
+"""Those on shapes that the learned filter was trained on."""
