@@ -9,11 +9,11 @@ from scipy.sparse.csgraph import shortest_path
 
 import meshfair
 from meshes import grid
-from meshfair import denoising, metrics, noise, shapes
+from meshfair import denoising, mesh, metrics, noise, shapes
 from meshfair.denoising.choice import INNER, PATCH, PATCHES, WHOLE, Chooser, sample
 from meshfair.denoising.forecast import Forecast, Forest, forests
 from meshfair.denoising.rules import Rule, ranking
-from meshfair.denoising.traits import Traits, at_distances
+from meshfair.denoising.traits import AROUND, Traits, _spread, at_distances, mean_around
 from meshfair.experiments import choices
 from meshfair.mesh import Edges
 
@@ -83,6 +83,33 @@ def test_how_far_opposite_vertices_have_moved_alike():
     traits = Traits(V, np.array(F))
     np.testing.assert_allclose(traits._alike(V[:, 0]), [-1, 0, 0, 0, 0], atol=1e-7)
     np.testing.assert_allclose(traits._alike(3 * V[:, 0] ** 2 - 1), [1, 0, 0, 0, 0], atol=1e-7)
+
+
+def test_coherence_is_that_of_the_structure_tensor():
+    # Gradients from the differences along two sides, tensors and means face by face, and the
+    # eigenvalues themselves; in the plane the third one is 0.
+    V, F = grid(7)
+    x, traits = np.random.default_rng(0).standard_normal(len(V)), Traits(V, F)
+    N, area = np.tile([0.0, 0, 1], (len(F), 1)), mesh.face_areas(V, F)
+    tensors = np.zeros((len(V), 2, 2))
+    for face, A in zip(F, area, strict=True):
+        i, j, k = face
+        g = np.linalg.solve(V[[j, k], :2] - V[i, :2], x[[j, k]] - x[i])
+        tensors[face] += A * np.outer(g, g)
+    near = sum(D.toarray() for D in at_distances(Edges.of_all(F, len(V)), AROUND)) + np.eye(len(V))
+    low, high = np.linalg.eigvalsh(np.einsum("ij,jkl->ikl", near, tensors)).T
+    expected = (high - low) / (high + low)
+    np.testing.assert_allclose(traits._coherence(x, V, N, area), expected, atol=1e-7)
+    np.testing.assert_allclose(traits._coherence(V @ [1, 2, 0], V, N, area), 1, atol=1e-7)
+
+
+def test_local_means_and_their_spread_by_hand():
+    # All are beside all on an octahedron but opposite ones; a mean is over itself and these four.
+    F = np.array([[x, y, z] for x in (0, 3) for y in (1, 4) for z in (2, 5)])
+    M = mean_around(at_distances(Edges.of_all(F, 6), 1))
+    np.testing.assert_allclose(M @ [6.0, 0, 0, 0, 0, 0], [1.2, 1.2, 1.2, 0, 1.2, 1.2])
+    squares = np.repeat([1.0, 4.0, 32.0], [30, 40, 30])
+    np.testing.assert_allclose(_spread(squares), np.log([1 / 4, 8]), rtol=1e-6)
 
 
 def test_traits_do_not_depend_on_place_scale_and_order():

@@ -3,11 +3,21 @@
 By these `meshfair.denoising.forecast` tells how well a filter has done, without the ground
 truth. They are ratios, angles, and lengths in mean edges of the noisy mesh, so that neither
 scale nor place matters. Many compare a result with those of reference filters: where filters
-that work in different ways agree, they are right more often than not.
+that work in different ways agree, they are right more often than not. Others look for shape in
+what a result has taken away, which is to be noise alone: what is taken shall be the same
+everywhere, and in all directions [Buades05]_.
+
+References
+----------
+.. [Buades05] A. Buades, B. Coll, J.-M. Morel, "A review of image denoising algorithms, with a
+   new one", Multiscale Modeling & Simulation 4(2), 2005: section 2, the method noise.
+.. [Weickert99] J. Weickert, "Coherence-enhancing diffusion filtering", International Journal of
+   Computer Vision 31, 1999: section 2.2, the structure tensor and its coherence.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -24,6 +34,8 @@ POWERS = 4
 """Highest power of I - W~ whose output is looked at."""
 FARTHEST = 6
 """Edges between vertices, at most, of which it is looked at whether they have moved alike."""
+AROUND = 3
+"""Edges to the vertices round another one over which local means are taken."""
 
 
 class Traits:
@@ -47,6 +59,7 @@ class Traits:
         self.N, self.area, _ = face_shapes(V, F)
         self.references: list[tuple[Floats, Floats]] = []
         self._away = at_distances(self.edges, FARTHEST)
+        self._mean_around = mean_around(self._away[:AROUND])
         self._K = high_passes(F, len(V), POWERS)
         self._norms = [np.sqrt(K.power(2).sum(axis=1)) for K in self._K]
         for norm in self._norms:
@@ -84,6 +97,8 @@ class Traits:
         found += [np.mean(np.abs(degrees - 6))]
         bends = self._bends(self.N)
         found += [*np.quantile(bends, [0.1, 0.25, 0.5, 0.75, 0.9, 0.99]), bends.mean()]
+        rough, _ = self._high_frequencies(self.V, n, 2)
+        found += _spread(self._mean_around @ rough**2)
         return np.array([*found, np.log(len(self.V)), *self.of_result(self.references[0][0])])
 
     def of_result(self, X: Floats) -> Floats:
@@ -115,6 +130,7 @@ class Traits:
             _mean_dot(across[i], across[j]) / square_across,
             np.mean(along) / np.sqrt(square),
             *self._alike(along - along.mean()),
+            *self._shape_in(along - along.mean(), X, N, area),
             np.log(np.median(rough) + LENGTH),
             np.log(_rms(rough) + LENGTH),
             bends.mean(),
@@ -175,6 +191,36 @@ class Traits:
         square = np.mean(x**2) + SQUARE
         return [x @ (D @ x) / max(D.nnz, 1) / square for D in self._away[1:]]
 
+    def _shape_in(self, x: Floats, X: Floats, N: Floats, area: Floats) -> list[float]:
+        """Signs of shape in x, which a result X has taken away and which is to be noise."""
+        square, coherence = np.mean(x**2) + SQUARE, self._coherence(x, X, N, area)
+        bend = np.sum((X - self._averaged(X)) * self._vertex_normals(N, area), axis=1) / self.length
+        bend -= bend.mean()
+        bends = np.abs(bend) + SQUARE
+        return [
+            *_spread(self._mean_around @ x**2),  # more in some places than in others
+            np.mean((self._mean_around @ x) ** 2) / square,  # in bumps some edges wide
+            np.abs(np.mean(x**3)) / square**1.5,  # bumps or dents, but not both
+            np.mean(x * bend) / np.sqrt(square * (np.mean(bend**2) + SQUARE)),  # as X still bends
+            np.log((np.mean(bends * x**2) / bends.mean() + SQUARE) / square),  # more where X bends
+            coherence.mean(),  # along one direction
+            np.quantile(coherence, 0.9),
+        ]
+
+    def _coherence(self, x: Floats, X: Floats, N: Floats, area: Floats) -> Floats:
+        """How far x changes in one direction only, round each vertex: 1 for a wave, 0 for a bump.
+
+        (l1 - l2) / (l1 + l2) of the structure tensor's eigenvalues [Weickert99]_, which is flat:
+        l1^2 + l2^2 is its squared norm, and l1 + l2 its trace.
+        """
+        P = X[self.F]
+        sides = P[:, [2, 0, 1]] - P[:, [1, 2, 0]]  # opposite each corner
+        G = np.einsum("fk,fki->fi", x[self.F], np.cross(N[:, None], sides))
+        G /= np.sqrt(np.maximum(area, SQUARE * self.length**2))[:, None]
+        T = self._mean_around @ (self.B @ (G[:, :, None] * G[:, None]).reshape(-1, 9))
+        T /= T[:, [0, 4, 8]].sum(axis=1)[:, None] + np.finfo(float).tiny
+        return np.sqrt(np.maximum(2 * np.sum(T**2, axis=1) - 1, 0))
+
     def _averaged(self, X: Floats) -> Floats:
         """W~ X."""
         return X - self._K[0] @ X
@@ -211,6 +257,28 @@ def at_distances(edges: Edges, farthest: int) -> list[csr_array]:
         found.append(reached.astype(float) - before.astype(float))
         found[-1].eliminate_zeros()
     return found
+
+
+def mean_around(away: Sequence[csr_array]) -> csr_array:
+    """The mean over each vertex and those that are as far away as in some of `at_distances`.
+
+    Parameters
+    ----------
+    away : sequence of csr_array of float64, each of shape (n, n)
+
+    Returns
+    -------
+    csr_array of float64, shape (n, n)
+        A matrix whose rows add up to 1.
+    """
+    near = sum(away, eye_array(away[0].shape[0], format="csr"))
+    return csr_array(near / near.sum(axis=1)[:, None])
+
+
+def _spread(square: Floats) -> list[float]:
+    """How far mean squares at places are apart: low and high ones beside the middle one."""
+    low, middle, high = np.log(np.quantile(square, [0.05, 0.5, 0.95]) + SQUARE)
+    return [low - middle, high - middle]
 
 
 def _angles(M: Floats, N: Floats) -> Floats:
