@@ -20,6 +20,7 @@ import numpy as np
 import sklearn
 from examples import correlated, impulsive, shared, uniform
 from families import FAMILIES, family
+from reliefs import lattices
 from shapes import shape
 from sklearn.ensemble import HistGradientBoostingRegressor
 from tqdm import tqdm
@@ -36,6 +37,7 @@ WEIGHTS = ROOT / "lib" / "meshfair" / "denoising" / "forecast.npz"
 FIGURES = ROOT / "tests" / "forecast.npz"  # what scikit-learn makes of some rows, for the tests
 UNSEEN = 100_000  # the first number of a shape that the learned filter was not trained on
 EXAMPLES = 2_400
+LATTICES = 300  # more, all with relief that repeats: what it shows is seen in few of the others
 CLEAN, FINE = 0.03, 0.5  # shares of examples without noise, and with little
 KNOWN = 0.4  # share of the examples whose noise size is known
 SHARP = 2.5  # how much more the best candidates count: exp(-SHARP * log ratio)
@@ -59,8 +61,15 @@ KINDS = {
 }
 
 
+def is_of_family(number: int) -> bool:
+    """Whether an example's shape is one of the families."""
+    return number >= EXAMPLES or number % 3 > 0
+
+
 def of_family(number: int) -> int:
     """The number of an example's shape, where it is one of the families."""
+    if number >= EXAMPLES:
+        return number * len(FAMILIES) + FAMILIES.index(lattices)
     return number - number // 3 - 1
 
 
@@ -71,7 +80,10 @@ def example(number: int, folder: Path) -> Path:
         return path
     _fast.FILTER_ROWS = 0  # the loops are loaded anyway
     rng = np.random.default_rng([11, number])
-    V, F = family(of_family(number)) if number % 3 else shape(UNSEEN + number // 3)
+    if is_of_family(number):
+        V, F = family(of_family(number))
+    else:
+        V, F = shape(UNSEEN + number // 3)
     kind = list(KINDS)[rng.choice(len(KINDS), p=np.array(list(KINDS.values())))]
     size = rng.uniform(0.02, 0.15) if rng.random() < FINE else rng.uniform(0.05, 0.75)
     V_noisy = kind(V, F, 0.0 if rng.random() < CLEAN else size, rng)
@@ -190,7 +202,7 @@ def predicted(trees: Trees, rows: Floats) -> dict[str, Floats]:
 
 def fold_of(number: int) -> int:
     """The fold in which an example is held out, with its whole family; -1: in none."""
-    return of_family(number) % len(FAMILIES) % FOLDS if number % 3 else -1
+    return of_family(number) % len(FAMILIES) % FOLDS if is_of_family(number) else -1
 
 
 def report_choices(examples: list[Example]) -> None:
@@ -257,7 +269,7 @@ def main() -> None:
     """Make the examples, train, say how good it is, and export."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--folder", type=Path, default=ROOT / "data" / "choices")
-    parser.add_argument("--examples", type=int, default=EXAMPLES)
+    parser.add_argument("--examples", type=int, default=EXAMPLES + LATTICES)
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
     make = partial(example, folder=options.folder)

@@ -77,15 +77,15 @@ def ripples(V: Floats, N: Floats, edge: float, rng: np.random.Generator) -> Floa
 
 
 def lattices(V: Floats, N: Floats, edge: float, rng: np.random.Generator) -> Floats:
-    """Bumps and dents that repeat in two or three directions: waves of one length, 2 to 8 edges."""
-    length, count = edge * _between(2, 8, rng), int(rng.integers(2, 4))
+    """Bumps and dents that repeat in two or three directions: waves of one length, 2 to 5 edges."""
+    length, count = edge * _between(2, 5, rng), int(rng.integers(2, 4))
     ways = rng.normal(size=(count, 3))
     if rng.random() < 0.5:
         ways = np.linalg.qr(ways.T)[0].T
     ways /= np.linalg.norm(ways, axis=1, keepdims=True)
     waves = np.sin(2 * np.pi * V @ ways.T / length + rng.uniform(0, 2 * np.pi, count))
     bumps = waves.prod(axis=1) if rng.random() < 0.5 else waves.mean(axis=1)
-    return edge * _between(0.08, 0.8, rng) * bumps
+    return edge * _between(0.15, 1, rng) * bumps
 
 
 def _wave(V: Floats, edge: float, rng: np.random.Generator) -> Floats:
