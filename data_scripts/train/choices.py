@@ -40,10 +40,12 @@ EXAMPLES = 2_400
 LATTICES = 300  # more, all with relief that repeats: what it shows is seen in few of the others
 CLEAN, FINE = 0.03, 0.5  # shares of examples without noise, and with little
 KNOWN = 0.4  # share of the examples whose noise size is known
-SHARP = 2.5  # how much more the best candidates count: exp(-SHARP * log ratio)
+# How much a candidate counts: exp(-SHARP * log ratio) and FLOOR beside the best one's 1 and FLOOR;
+# and 1 the one that is chosen where nothing speaks for another, however bad it is.
+SHARP, FLOOR = 2.5, 0.3
 MODELS = 4  # so many, on other rows each, err less together than one alone
 TREES = {"log_ratio": 200, "gain": 120, "alone": 200}  # in each model
-BEST, OTHERS = 14, 14  # how many candidates of an example a model sees
+BEST, OTHERS = 14, 20  # how many candidates of an example a model sees
 OWN_BEST, OWN_OTHERS = 2, 2  # and of each method, beside its defaults, one that tells these apart
 NOISE_TRAITS = 2  # the last ones are of the noise size
 HIGHEST = 100.0  # dB: a clean mesh has an SNR without bound
@@ -122,21 +124,23 @@ class Example:
         log_ratio = np.log((self.angles + LEAST_ANGLE) / (before + LEAST_ANGLE))
         self.log_ratio = np.clip(log_ratio, *LOG_RATIOS)
         self.gain = np.clip(ratios[1:] - ratios[0], *GAINS)
-        self.weight = self._weights(np.arange(len(self.rows)))
+        self.weight = self._weights(np.arange(len(self.rows)), FIRST)
         self.weight_alone = np.empty(len(self.rows))
         for name in BUILT_IN:
             own = np.flatnonzero(self.methods == name)
-            self.weight_alone[own] = self._weights(own) / len(BUILT_IN)
+            self.weight_alone[own] = self._weights(own, name) / len(BUILT_IN)
 
-    def _weights(self, rows: Integers) -> Floats:
-        """How much each of some rows counts: the best ones most, and all of them 1."""
-        near = np.exp(-SHARP * (self.log_ratio[rows] - self.log_ratio[rows].min())) + 0.05
+    def _weights(self, rows: Integers, usual: str) -> Floats:
+        """How much each of some rows counts, all together 1; `usual` is a method."""
+        near = np.exp(-SHARP * (self.log_ratio[rows] - self.log_ratio[rows].min())) + FLOOR
+        near[rows == self.default(usual)] = 1
         return near / near.sum()
 
     def kept(self, rng: np.random.Generator) -> Integers:
-        """Rows for one model: the best ones, and some of the others."""
+        """Rows for one model: the best ones, some of the others, and the usual one."""
         order = np.argsort(self.log_ratio, kind="stable")
-        return np.concatenate([order[:BEST], rng.permutation(order[BEST:])[:OTHERS]])
+        others = rng.permutation(order[BEST:])[:OTHERS]
+        return np.unique(np.concatenate([order[:BEST], others, [self.default(FIRST)]]))
 
     def kept_alone(self, rng: np.random.Generator) -> Integers:
         """Rows for a model that tells one method's apart: of each the best, and some others."""
