@@ -129,7 +129,7 @@ class Traits:
             np.mean(along * self._averaged(self._averaged(along))) / square,
             _mean_dot(across[i], across[j]) / square_across,
             np.mean(along) / np.sqrt(square),
-            *self._alike(along - along.mean()),
+            *self.alike(along - along.mean())[1:],
             *self._shape_in(along - along.mean(), X, N, area),
             np.log(np.median(rough) + LENGTH),
             np.log(_rms(rough) + LENGTH),
@@ -183,13 +183,20 @@ class Traits:
         along = np.sum(D * n, axis=1)
         return np.abs(along), np.linalg.norm(D - along[:, None] * n, axis=1)
 
-    def _alike(self, x: Floats) -> list[float]:
+    def alike(self, x: Floats) -> list[float]:
         """How far vertices some edges apart have moved alike: relief that repeats shows in that.
 
-        Of vertices 2 .. FARTHEST edges apart, the mean product in the mean square.
+        Parameters
+        ----------
+        x : ndarray of float64, shape (n,)
+
+        Returns
+        -------
+        list of float
+            Of vertices 1 .. FARTHEST edges apart, the mean product in the mean square.
         """
         square = np.mean(x**2) + SQUARE
-        return [x @ (D @ x) / max(D.nnz, 1) / square for D in self._away[1:]]
+        return [x @ (D @ x) / max(D.nnz, 1) / square for D in self._away]
 
     def _shape_in(self, x: Floats, X: Floats, N: Floats, area: Floats) -> list[float]:
         """Signs of shape in x, which a result X has taken away and which is to be noise."""
