@@ -4,8 +4,8 @@
 
 An example is a noisy mesh with the traits and the true errors of all candidates on it. A third
 of the shapes are of the generators that the learned filter was trained on, but other ones, and
-the rest of families of which it has seen the reliefs only (`families`). Examples are kept in
-FOLDER, so that what is interrupted goes on where it was.
+the rest of families of which it has seen some reliefs only (`families`); the last `LATTICES` are
+all of one family. Examples are kept in FOLDER, so that what is interrupted goes on where it was.
 """
 
 import argparse
@@ -40,8 +40,8 @@ EXAMPLES = 2_400
 LATTICES = 300  # more, all with relief that repeats: what it shows is seen in few of the others
 CLEAN, FINE = 0.03, 0.5  # shares of examples without noise, and with little
 KNOWN = 0.4  # share of the examples whose noise size is known
-# How much a candidate counts: exp(-SHARP * log ratio) and FLOOR beside the best one's 1 and FLOOR;
-# and 1 the one that is chosen where nothing speaks for another, however bad it is.
+# How much a candidate counts: FLOOR + exp(-SHARP * (log ratio - the best one's)); the usual
+# one, which is chosen where nothing speaks for another, counts 1: its failures have to be seen.
 SHARP, FLOOR = 2.5, 0.3
 MODELS = 4  # so many, on other rows each, err less together than one alone
 TREES = {"log_ratio": 200, "gain": 120, "alone": 200}  # in each model

@@ -1,6 +1,6 @@
 """Families of shapes for the choice between filters.
 
-The learned filter was trained on none of them but the reliefs, and on these on other shapes.
+The learned filter was trained on none of them but most of the reliefs, and these on other shapes.
 """
 
 import manifold3d as m3

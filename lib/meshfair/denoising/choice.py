@@ -161,11 +161,17 @@ class Chooser:
         is_usual = np.array([c.stop is None and c.method == usual for c in candidates])
         rule = AMONG_ALL if len(names) > 1 else rule_of(usual)
         score = ranking(expected, untouched, is_usual, rule)
+        why_not = "nothing promises to bring it closer to the true mesh"
         if len(names) > 1 and self._takes_relief():
             score[untouched] = -np.inf
-        ratio = np.where(untouched, 1, expected.ratio)
+            why_not = "what filters would take away repeats, as a relief does"
+        ratio, noise = np.where(untouched, 1, expected.ratio), self._noise()
+        reasons = [
+            f"left as it is: {why_not}" if same else f"{noise}; {r:.0%} of the error should be left"
+            for same, r in zip(untouched, ratio, strict=True)
+        ]
         return [
-            Choice(c.method, c.parameters, c.stop, float(ratio[k]), self._reason(c, ratio[k]))
+            Choice(c.method, c.parameters, c.stop, float(ratio[k]), reasons[k])
             for k in np.argsort(score, kind="stable")
             for c in (candidates[k],)
         ]
@@ -256,26 +262,26 @@ class Chooser:
         """Of positions on the patches those that are looked at."""
         return self.V if X is self._tried else X[self._sample.inner]
 
+    def _taken(self) -> Floats:
+        """What the usual filter takes away along the normals, in mean edges, shape (l,)."""
+        return self.traits.residual(self.traits.references[0][0])[0]
+
     def _takes_relief(self) -> bool:
-        """Whether what the first reference takes away repeats along the surface."""
-        along, _ = self.traits.residual(self.traits.references[0][0])
+        """Whether what the usual filter takes away repeats along the surface."""
+        along = self._taken()
         one, two, three, *_ = self.traits.alike(along - along.mean())
         return three - two > REPEATS and one < NEIGHBOURS
 
-    def _reason(self, candidate: Candidate, ratio: float) -> str:
-        """What the noise looks like, and how much of the error should be left."""
-        if candidate.X is self.V and self._takes_relief():
-            return "left as it is: what filters would take away repeats, as a relief does"
-        if candidate.X is self.V:
-            return "left as it is: nothing promises to bring it closer to the true mesh"
-        along, _ = self.traits.residual(self.traits.references[0][0])
-        size, (i, j) = np.sqrt(np.mean(along**2)), self.traits.edges.ends.T
+    def _noise(self) -> str:
+        """What the noise looks like."""
+        along, (i, j) = self._taken(), self.traits.edges.ends.T
+        size = np.sqrt(np.mean(along**2))
         kind = ""
         if np.mean(np.abs(along)) < SPARSE * size:
             kind = ", mostly at some vertices"
         elif np.mean(along[i] * along[j]) > CORRELATED * size**2:
             kind = ", alike at neighbours"
-        return f"noise of {size:.2g} edges{kind}; {ratio:.0%} of the error should be left"
+        return f"noise of {size:.2g} edges{kind}"
 
 
 class Sample(NamedTuple):

@@ -80,8 +80,8 @@ class Traits:
         N, area, _ = face_shapes(smooth, self.F)
         n = self._vertex_normals(N, area)
         found: list[Any] = []
-        for power in range(POWERS):
-            along, across = self._high_frequencies(self.V, n, power)
+        rough = [self._high_frequencies(self.V, n, power) for power in range(POWERS)]
+        for along, across in rough:
             low, middle, high, higher, highest = np.quantile(along, [0.25, 0.5, 0.75, 0.95, 0.995])
             found += [
                 np.log(middle + LENGTH),
@@ -97,8 +97,7 @@ class Traits:
         found += [np.mean(np.abs(degrees - 6))]
         bends = self._bends(self.N)
         found += [*np.quantile(bends, [0.1, 0.25, 0.5, 0.75, 0.9, 0.99]), bends.mean()]
-        rough, _ = self._high_frequencies(self.V, n, 2)
-        found += _spread(self._mean_around @ rough**2)
+        found += _spread(self._mean_around @ rough[2][0] ** 2)
         return np.array([*found, np.log(len(self.V)), *self.of_result(self.references[0][0])])
 
     def of_result(self, X: Floats) -> Floats:
@@ -117,6 +116,7 @@ class Traits:
         along, across = self.residual(X)
         n = self._vertex_normals(N, area)
         square, square_across = np.mean(along**2) + SQUARE, _mean_dot(across, across) + SQUARE
+        centred = along - along.mean()
         rough, _ = self._high_frequencies(X, n, 2)
         bends = self._bends(N)
         lengths = self.edges.lengths(X) / self.length
@@ -129,8 +129,8 @@ class Traits:
             np.mean(along * self._averaged(self._averaged(along))) / square,
             _mean_dot(across[i], across[j]) / square_across,
             np.mean(along) / np.sqrt(square),
-            *self.alike(along - along.mean())[1:],
-            *self._shape_in(along - along.mean(), X, N, area),
+            *self.alike(centred)[1:],
+            *self._shape_in(centred, X, n, self._coherence(centred, X, N, area)),
             np.log(np.median(rough) + LENGTH),
             np.log(_rms(rough) + LENGTH),
             bends.mean(),
@@ -198,10 +198,14 @@ class Traits:
         square = np.mean(x**2) + SQUARE
         return [x @ (D @ x) / max(D.nnz, 1) / square for D in self._away]
 
-    def _shape_in(self, x: Floats, X: Floats, N: Floats, area: Floats) -> list[float]:
-        """Signs of shape in x, which a result X has taken away and which is to be noise."""
-        square, coherence = np.mean(x**2) + SQUARE, self._coherence(x, X, N, area)
-        bend = np.sum((X - self._averaged(X)) * self._vertex_normals(N, area), axis=1) / self.length
+    def _shape_in(self, x: Floats, X: Floats, n: Floats, coherence: Floats) -> list[float]:
+        """Signs of shape in x, which a result X has taken away and which is to be noise.
+
+        Heights x (n,) are in mean edges and of mean 0, along the vertex normals n (n, 3) of X
+        (n, 3); their coherence (n,) is that of `_coherence`.
+        """
+        square = np.mean(x**2) + SQUARE
+        bend = np.sum((X - self._averaged(X)) * n, axis=1) / self.length
         bend -= bend.mean()
         bends = np.abs(bend) + SQUARE
         return [
@@ -217,6 +221,7 @@ class Traits:
     def _coherence(self, x: Floats, X: Floats, N: Floats, area: Floats) -> Floats:
         """How far x changes in one direction only, round each vertex: 1 for a wave, 0 for a bump.
 
+        x (n,), as the result; N (m, 3) and area (m,) are of the faces of positions X (n, 3).
         (l1 - l2) / (l1 + l2) of the structure tensor's eigenvalues [Weickert99]_, which is flat:
         l1^2 + l2^2 is its squared norm, and l1 + l2 its trace.
         """
