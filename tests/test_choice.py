@@ -12,7 +12,7 @@ from meshes import grid
 from meshfair import denoising, mesh, metrics, noise, shapes
 from meshfair.denoising.choice import INNER, PATCH, PATCHES, WHOLE, Chooser, sample
 from meshfair.denoising.forecast import Forecast, Forest, forests
-from meshfair.denoising.rules import Rule, ranking
+from meshfair.denoising.rules import Results, Rule, ranking
 from meshfair.denoising.traits import AROUND, Traits, _spread, at_distances, mean_around
 from meshfair.experiments import choices
 from meshfair.mesh import Edges
@@ -134,22 +134,36 @@ def test_traits_do_not_depend_on_place_scale_and_order():
     assert np.isfinite(here).all()
 
 
-def ranked(log_ratio, gain, rule):
-    """Of candidates of which the third is the noisy mesh, and the first the usual one."""
+def ranked(log_ratio, gain, rule, relief=False):
+    """Of results: the first is the usual one, the third the noisy mesh, the fourth goes farther."""
     k = np.arange(len(log_ratio))
     expected = Forecast(np.array(log_ratio), np.array(gain, float))
-    return ranking(expected, k == 2, k == 0, rule)
+    moved = np.where(k == 2, 0.0, 1 + k % 4 / 3 - (k == 1))
+    return ranking(expected, Results(k == 2, k == 0, moved, relief), rule)
 
 
 def test_ranking_by_hand():
-    # A margin for the usual one; the noisy mesh has 0; a decibel is worth 0.5.
-    rule = Rule(margin=0.03, worth=0.5, doubt=0, sure_gain=0)
-    score = ranked([-1.0, -1.01, 5.0, -1.2], [0, 0, 0, -2], rule)
-    np.testing.assert_allclose(score, [-1.03, -1.01, 0, -0.2])
+    # Margins for all but the usual one: 0.03 for the second, which moves the vertices less, 0.05
+    # for the noisy mesh, 0.1 for the last, which moves them more; a decibel is worth 0.5.
+    rule = Rule(0.03, 0.05, 0.1, worth=0.5)
+    said = [-1.0, -1.01, 5.0, -1.2], [0, 0, 0, -2]
+    score = ranked(*said, rule)
+    np.testing.assert_allclose(score, [-1, -0.98, 0.05, -0.1])
+    # On relief the usual one is as far as a filter may go, or nothing is done at all.
+    np.testing.assert_allclose(ranked(*said, rule, relief=True), [-1, -0.98, 0.05, np.inf])
+    score = ranked(*said, rule._replace(leaves_relief=True), relief=True)
+    np.testing.assert_allclose(score, [-1, -0.98, -np.inf, -0.1])
+
+
+def test_without_a_usual_one_nothing_is_farther_than_it():
+    k = np.arange(2)  # the defaults could not be solved
+    expected = Forecast(np.array([-1.0, -2]), np.zeros(2))
+    results = Results(k < 0, k < 0, np.array([1.0, 9]), relief=True)
+    np.testing.assert_allclose(ranking(expected, results, Rule(0.1, 0.2, 0.3)), [-0.9, -1.9])
 
 
 def test_the_less_the_gain_in_decibels_the_less_are_good_normals_believed():
-    rule = Rule(margin=0, worth=0, doubt=0.2, sure_gain=3)
+    rule = Rule(0, 0, 0, doubt=0.2, sure_gain=3)
     score = ranked([-2.0, -1.0, 5.0, -1.0, -2.0], [-9, 5, -9, 2, 3], rule)
     np.testing.assert_allclose(score, [-2 + 12 * 0.2, -1, 0, -0.8, -2])
 
@@ -197,13 +211,25 @@ def test_the_front_chooses_and_says_why():
     assert result.history["normal_angle"].iloc[-1] == metrics.normal_angle(result.V, V, F)
 
 
-def test_relief_that_repeats_is_not_taken_for_noise():
-    # An egg crate of waves of four edges, half an edge high: filters flatten it to a plane.
+def egg_crate():
+    """Waves of four edges, half an edge high, which filters flatten to a plane."""
     V, F = grid(40)
     x, y = 2 * np.pi / (4 * V[:, 0].max() / 40) * V[:, :2].T
     length = mesh.mean_edge_length(V, F)
     V = V + np.outer(0.5 * length * np.sin(x) * np.sin(y), [0, 0, 1])
-    V_noisy = noise.along_normals(V, F, 0.05, np.random.default_rng(0))
+    return noise.along_normals(V, F, 0.05, np.random.default_rng(0)), V, F
+
+
+@pytest.mark.parametrize("method", ["heat", "implicit"])
+def test_on_relief_that_repeats_one_methods_parameters_change_no_more_than_its_defaults(method):
+    V_noisy, V, F = egg_crate()
+    usual = metrics.normal_angle(meshfair.denoise(V_noisy, F, method).V, V, F)
+    chosen = metrics.normal_angle(meshfair.denoise(V_noisy, F, method, parameters="auto").V, V, F)
+    assert chosen <= 1.05 * usual
+
+
+def test_relief_that_repeats_is_not_taken_for_noise():
+    V_noisy, V, F = egg_crate()
     result = meshfair.denoise(V_noisy, F)
     np.testing.assert_array_equal(result.V, V_noisy)
     assert result.reason.startswith("left as it is: what filters would take away repeats")

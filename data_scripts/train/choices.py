@@ -30,7 +30,7 @@ from meshfair.checks import Floats, Integers
 from meshfair.denoising import BUILT_IN
 from meshfair.denoising.choice import ALL, FIRST, Chooser
 from meshfair.denoising.forecast import LEAST_ANGLE, Forecast, Forest
-from meshfair.denoising.rules import AMONG_ALL, Rule, ranking, rule_of
+from meshfair.denoising.rules import AMONG_ALL, Results, Rule, ranking, rule_of
 
 ROOT = Path(__file__).resolve().parents[2]
 WEIGHTS = ROOT / "lib" / "meshfair" / "denoising" / "forecast.npz"
@@ -104,6 +104,8 @@ def example(number: int, folder: Path) -> Path:
         methods=[c.method for c in candidates],
         ended=[c.stop is None for c in candidates],
         untouched=[c.X is chooser.V for c in candidates],
+        moved=chooser.moved(candidates),
+        relief=chooser.takes_relief(),
     )
     new.replace(path)
     return path
@@ -119,7 +121,7 @@ class Example:
             before, self.angles = file["angles"][0], file["angles"][1:]
             ratios = np.minimum(file["ratios"], HIGHEST)
             self.untouched, self.methods = file["untouched"], file["methods"]
-            self.ended = file["ended"]
+            self.ended, self.moved, self.relief = file["ended"], file["moved"], bool(file["relief"])
         self.before = float(before)
         log_ratio = np.log((self.angles + LEAST_ANGLE) / (before + LEAST_ANGLE))
         self.log_ratio = np.clip(log_ratio, *LOG_RATIOS)
@@ -163,7 +165,8 @@ class Example:
 
     def chosen(self, expected: Forecast, methods: Sequence[str], rule: Rule, usual: str) -> int:
         """The row that a rule chooses among some methods."""
-        score = ranking(expected, self.untouched, (self.methods == usual) & self.ended, rule)
+        is_usual = (self.methods == usual) & self.ended
+        score = ranking(expected, Results(self.untouched, is_usual, self.moved, self.relief), rule)
         score[~np.isin(self.methods, methods)] = np.inf
         return int(score.argmin())
 

@@ -23,7 +23,7 @@ from meshfair.denoising.registry import (
     same,
     with_noise,
 )
-from meshfair.denoising.rules import AMONG_ALL, ranking, rule_of
+from meshfair.denoising.rules import AMONG_ALL, Results, ranking, rule_of
 from meshfair.denoising.traits import Traits
 from meshfair.mesh import face_shapes, mean_edge_length
 from meshfair.solve import SolveError
@@ -39,8 +39,8 @@ REFERENCES: tuple[tuple[str, Parameters], ...] = (
     *((name, {}) for name in ("taubin", "averaging", "feature-convinced", "bilateral-normal")),
     *((name, {}) for name in ("l0", "sun", "guided-normal", "bilateral")),
 )
-WHOLE = 4_000
-"""Faces up to which a mesh is tried whole; of a larger one `PATCHES` patches are."""
+WHOLE = 6_000
+"""Faces up to which a mesh is tried whole, as training's are; of a larger one `PATCHES` patches."""
 PATCHES, PATCH, INNER = 4, 800, 500
 """How many, their faces, and those inside of a patch that are looked at: a filter makes of a
 patch's border what it would not make of it in the mesh."""
@@ -49,9 +49,11 @@ patch's border what it would not make of it in the mesh."""
 # the correlation of neighbours, above this for correlated noise in 3 of 4, for other in 1 of 10.
 SPARSE, CORRELATED = 0.72, 0.1
 # What the learned filter takes away is relief, where vertices three edges apart have moved more
-# alike than those two edges apart, by this much, and neighbours less alike than this: on 47 of the
-# 49 training meshes that show it, the filter does harm.
+# alike than those two edges apart, by this much, and neighbours less alike than this;
 REPEATS, NEIGHBOURS = 0.12, 0.3
+# or, where noise that is alike at neighbours hides that, where those two and four edges apart have
+# moved oppositely, by this much, and those between them more alike by as much.
+OPPOSITE = 0.04
 FIRST = "learned"
 """The method that is chosen where nothing speaks for another."""
 
@@ -159,11 +161,11 @@ class Chooser:
         untouched = np.array([c.X is self.V for c in candidates])
         usual = FIRST if len(names) > 1 else names[0]
         is_usual = np.array([c.stop is None and c.method == usual for c in candidates])
+        results = Results(untouched, is_usual, self.moved(candidates), self.takes_relief())
         rule = AMONG_ALL if len(names) > 1 else rule_of(usual)
-        score = ranking(expected, untouched, is_usual, rule)
+        score = ranking(expected, results, rule)
         why_not = "nothing promises to bring it closer to the true mesh"
-        if len(names) > 1 and self._takes_relief():
-            score[untouched] = -np.inf
+        if results.relief:
             why_not = "what filters would take away repeats, as a relief does"
         ratio, noise = np.where(untouched, 1, expected.ratio), self._noise()
         reasons = [
@@ -224,6 +226,31 @@ class Chooser:
             ]
         )
 
+    def moved(self, candidates: list[Candidate]) -> Floats:
+        """How far candidates have moved the vertices along the normals, root mean square in edges.
+
+        Parameters
+        ----------
+        candidates : list of Candidate
+
+        Returns
+        -------
+        ndarray of float64, shape (number of candidates,)
+        """
+        return np.array([np.sqrt(np.mean(self.traits.residual(c.X)[0] ** 2)) for c in candidates])
+
+    def takes_relief(self) -> bool:
+        """Whether what the usual filter takes away repeats along the surface.
+
+        Returns
+        -------
+        bool
+        """
+        along = self._taken()
+        one, two, three, four, *_ = self.traits.alike(along - along.mean())
+        strong = three - two > REPEATS and one < NEIGHBOURS
+        return strong or (max(two, four) < -OPPOSITE and three - (two + four) / 2 > OPPOSITE)
+
     def _parameters(self, name: str) -> list[Parameters]:
         """Those of a method's trials, each once: its defaults first."""
         given = with_noise(name, self.chosen, self.sigma)
@@ -265,12 +292,6 @@ class Chooser:
     def _taken(self) -> Floats:
         """What the usual filter takes away along the normals, in mean edges, shape (l,)."""
         return self.traits.residual(self.traits.references[0][0])[0]
-
-    def _takes_relief(self) -> bool:
-        """Whether what the usual filter takes away repeats along the surface."""
-        along = self._taken()
-        one, two, three, *_ = self.traits.alike(along - along.mean())
-        return three - two > REPEATS and one < NEIGHBOURS
 
     def _noise(self) -> str:
         """What the noise looks like."""

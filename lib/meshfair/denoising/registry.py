@@ -38,8 +38,8 @@ class Method:
     normals: bool = True
     """Whether it uses normals, so that faces have to be turned consistently."""
     margin: float = 0.3
-    """What other parameters than its defaults have to promise more, in log ratio: see
-    `meshfair.denoising.rules`."""
+    """What other parameters that change the mesh less than its defaults have to promise more,
+    in log ratio: see `meshfair.denoising.rules`."""
 
     def filled_in(self, V: Floats, F: Integers, parameters: Parameters) -> Parameters:
         """The parameters with those that are None chosen from the mesh."""
@@ -71,24 +71,17 @@ def _grid(**values: Sequence[Any]) -> list[Parameters]:
     return [dict(zip(values, chosen, strict=True)) for chosen in product(*values.values())]
 
 
-# With these margins, of training's meshes with families of shapes left out, about one in fifty ends
-# more than 5 % worse than with the defaults, and of heat's one in thirty. What filters of
-# normals and l0 leave is told well; filters that smooth the more the longer they run need a larger
-# margin, and those that run for any strength the largest.
-_SURE, _UNSURE = 0.15, 0.6
+# What filters of normals and l0 leave is told better than what smoothing leaves.
+_SURE = 0.15
 
 # Candidates are spread so widely that the best lies among them, on smooth and on sharp meshes.
 _STRENGTHS = (0.0, 0.0625, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 
 _METHODS: dict[str, Method] = {
-    "averaging": Method(
-        filters.averaging, [{"iterations": 30}], "iterations", normals=False, margin=0.4
-    ),
-    "heat": Method(filters.heat, [{"time": 20.0}], _heat_until, normals=False, margin=0.25),
-    "implicit": Method(filters.implicit, _grid(step=_STRENGTHS), normals=False, margin=_UNSURE),
-    "regularised": Method(
-        filters.regularised, _grid(order=(1, 2), lam=_STRENGTHS), normals=False, margin=_UNSURE
-    ),
+    "averaging": Method(filters.averaging, [{"iterations": 30}], "iterations", normals=False),
+    "heat": Method(filters.heat, [{"time": 20.0}], _heat_until, normals=False),
+    "implicit": Method(filters.implicit, _grid(step=_STRENGTHS), normals=False),
+    "regularised": Method(filters.regularised, _grid(order=(1, 2), lam=_STRENGTHS), normals=False),
     "taubin": Method(filters.taubin, [{"iterations": 60}], "iterations", normals=False),
     "bilateral": Method(filters.bilateral, [{"iterations": 20}], "iterations"),
     "sun": Method(

@@ -12,51 +12,80 @@ from meshfair.denoising.registry import find_method
 
 
 class Rule(NamedTuple):
-    """How forecasts are weighed against each other."""
+    """How forecasts are weighed against each other.
 
-    margin: float
-    """What another choice than the usual one has to promise more, in log ratio."""
-    worth: float
+    What another choice than the usual one has to promise more, in log ratio, is larger the
+    worse it is when the promise fails.
+    """
+
+    nearer: float
+    """Of a choice that moves the vertices less than the usual one."""
+    left: float
+    """Of the noisy mesh as it is."""
+    farther: float
+    """Of a choice that moves the vertices more."""
+    leaves_relief: bool = False
+    """Whether a mesh with relief is left as it is, or only not changed more than usual."""
+    worth: float = 0.0
     """What a decibel is worth: of choices that leave the normals alike, the one nearer to
     the true place."""
-    doubt: float
+    doubt: float = 0.0
     """What is added for each decibel that a promise is short of `sure_gain`. A filter that takes
     detail for noise moves the vertices away from the truth, however good its normals look."""
-    sure_gain: float
+    sure_gain: float = 0.0
     """Decibels from which on there is no doubt."""
 
 
 # By training's meshes, families of shapes left out: what does least harm, and leaves the least
 # error.
-AMONG_ALL = Rule(margin=0.2, worth=0.05, doubt=0.15, sure_gain=3)
+AMONG_ALL = Rule(0.2, 0.2, 0.2, leaves_relief=True, worth=0.05, doubt=0.15, sure_gain=3)
+LEFT, FARTHER = 0.4, 0.8  # of one method's choices
 
 
 def rule_of(method: str) -> Rule:
     """The rule by which one method's parameters are chosen."""
     # Who names averaging wants it, though it shrinks: an SNR that falls is no reason against it.
-    return Rule(find_method(method).margin, worth=0, doubt=0, sure_gain=0)
+    return Rule(find_method(method).margin, LEFT, FARTHER)
 
 
-def ranking(expected: Forecast, untouched: Booleans, usual: Booleans, rule: Rule) -> Floats:
-    """What candidates are ranked by, the least first.
+class Results(NamedTuple):
+    """What is known of r results without a forecast."""
+
+    untouched: Booleans
+    """Which ones are the noisy mesh itself, shape (r,)."""
+    usual: Booleans
+    """Which ones are of the method that is chosen where nothing speaks for another, shape
+    (r,); the first one of them, with its defaults, counts."""
+    moved: Floats
+    """How far the vertices have moved, in any unit, shape (r,)."""
+    relief: bool
+    """Whether what the usual filter takes away repeats along the surface, as relief does."""
+
+
+def ranking(expected: Forecast, results: Results, rule: Rule) -> Floats:
+    """What results are ranked by, the least first.
 
     Parameters
     ----------
     expected : Forecast
-        Of r candidates.
-    untouched : ndarray of bool, shape (r,)
-        Which ones are the noisy mesh itself.
-    usual : ndarray of bool, shape (r,)
-        Which ones are of the method that is chosen where nothing speaks for another;
-        the first one of them, with its defaults, counts.
+        Of r results.
+    results : Results
     rule : Rule
 
     Returns
     -------
     ndarray of float64, shape (r,)
     """
+    untouched, first = results.untouched, np.flatnonzero(results.usual)[:1]
     short = np.maximum(0, rule.sure_gain - expected.gain)
     score = expected.log_ratio - rule.worth * expected.gain + rule.doubt * short
     score[untouched] = 0
-    score[np.flatnonzero(usual)[:1]] -= rule.margin
+    farther = results.moved > (results.moved[first] if len(first) else np.inf)
+    margin = np.where(untouched, rule.left, np.where(farther, rule.farther, rule.nearer))
+    margin[first] = 0
+    score += margin
+    if results.relief and rule.leaves_relief:
+        score[untouched] = -np.inf
+    elif results.relief:
+        score[farther] = np.inf
     return score
