@@ -121,6 +121,7 @@ def _grid(table: pd.DataFrame) -> dict[str, str]:
         "single-median": f"{single['median'].iloc[0]:.2f}",
         "single-worst": f"{single['worst'].iloc[0]:.1f}",
         "own-default-median": f"{ratio.median():.3f}",
+        "own-default-mean": f"{np.exp(np.log(ratio).mean()):.2f}",
         "own-default-near": f"{100 * (ratio <= NEAR).mean():.0f}",
         "own-default-worst": f"{ratio.max():.1f}",
         "auto-ratio": f"{np.exp(np.log(automatic).mean()):.2f}",

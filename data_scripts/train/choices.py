@@ -36,8 +36,8 @@ ROOT = Path(__file__).resolve().parents[2]
 WEIGHTS = ROOT / "lib" / "meshfair" / "denoising" / "forecast.npz"
 FIGURES = ROOT / "tests" / "forecast.npz"  # what scikit-learn makes of some rows, for the tests
 UNSEEN = 100_000  # the first number of a shape that the learned filter was not trained on
-EXAMPLES = 2_400
-LATTICES = 300  # more, all with relief that repeats: what it shows is seen in few of the others
+EXAMPLES = 4_200
+LATTICES = 525  # more, all with relief that repeats: what it shows is seen in few of the others
 CLEAN, FINE = 0.03, 0.5  # shares of examples without noise, and with little
 KNOWN = 0.4  # share of the examples whose noise size is known
 # How much a candidate counts: FLOOR + exp(-SHARP * (log ratio - the best one's)); the usual

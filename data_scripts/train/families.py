@@ -63,7 +63,10 @@ def minimal(rng: np.random.Generator) -> Mesh:
     X, Y, Z = np.meshgrid(x, x, x, indexing="ij")
     ball = np.sqrt(X**2 + Y**2 + Z**2) - 2.3
     f = np.maximum(np.abs(f) - rng.uniform(0.3, 0.7), ball) if rng.random() < 0.6 else f
-    V, F, _, _ = marching_cubes(np.maximum(f, ball), 0, gradient_direction="descent")
+    inside = np.maximum(f, ball)
+    if inside.min() >= 0:  # a sheet so thin that it slips between the samples
+        return minimal(rng)
+    V, F, _, _ = marching_cubes(inside, 0, gradient_direction="descent")
     return V.astype(float), F.astype(np.int64)
 
 
