@@ -220,6 +220,32 @@ def egg_crate():
     return noise.along_normals(V, F, 0.05, np.random.default_rng(0)), V, F
 
 
+@pytest.mark.parametrize(
+    ("alike", "relief"),
+    [
+        ([0.0, -0.1, 0.03, 0, 0, 0], True),  # three edges apart 0.13 more alike than two
+        ([0.35, -0.1, 0.03, 0, 0, 0], False),  # but so alike at neighbours that it may be noise,
+        ([0.35, -0.1, 0.0, -0.05, 0, 0], True),  # unless four edges apart are opposite, too
+        ([0.3, -0.05, -0.03, -0.05, 0, 0], False),  # and three edges apart are not
+        ([0.6, 0.1, -0.1, -0.1, 0, 0], False),  # correlated noise on a torus: falls, and stays low
+        ([0.0, 0.0, 0.0, 0.0, 0, 0], False),
+    ],
+)
+def test_what_repeats_along_the_surface(monkeypatch, alike, relief):
+    V, F = shapes.icosphere(2)
+    chooser = Chooser(V, F, {}, None, lambda part: None)
+    monkeypatch.setattr(Traits, "alike", lambda self, x: alike)
+    assert chooser.takes_relief() is relief
+
+
+def test_the_reason_names_relief_only_where_it_decides(monkeypatch):
+    V_noisy, _, F = egg_crate()
+    monkeypatch.setattr(Chooser, "takes_relief", lambda self: True)
+    alone = meshfair.denoise(V_noisy, F, "averaging", parameters="auto")
+    np.testing.assert_array_equal(alone.V, V_noisy)
+    assert alone.reason.startswith("left as it is: nothing promises")
+
+
 @pytest.mark.parametrize("method", ["heat", "implicit"])
 def test_on_relief_that_repeats_one_methods_parameters_change_no_more_than_its_defaults(method):
     V_noisy, V, F = egg_crate()

@@ -166,7 +166,7 @@ class Chooser:
         rule = AMONG_ALL if len(names) > 1 else rule_of(usual)
         score = ranking(expected, results, rule)
         why_not = "nothing promises to bring it closer to the true mesh"
-        if results.relief:
+        if results.relief and rule.leaves_relief:
             why_not = "what filters would take away repeats, as a relief does"
         ratio, noise = np.where(untouched, 1, expected.ratio), self._noise()
         reasons = [

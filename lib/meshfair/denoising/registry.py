@@ -37,7 +37,7 @@ class Method:
     """The parameter that takes the noise's size, if there is one."""
     normals: bool = True
     """Whether it uses normals, so that faces have to be turned consistently."""
-    margin: float = 0.3
+    nearer_margin: float = 0.3
     """What other parameters that change the mesh less than its defaults have to promise more,
     in log ratio: see `meshfair.denoising.rules`."""
 
@@ -88,16 +88,16 @@ _METHODS: dict[str, Method] = {
         filters.sun,
         _grid(normal_iterations=(5, 20), threshold=(0.3, 0.6)),
         "vertex_iterations",
-        margin=_SURE,
+        nearer_margin=_SURE,
     ),
     "bilateral-normal": Method(
         filters.bilateral_normal,
         _grid(normal_iterations=(2, 5, 20), sigma_normal=(0.35, 0.5)),
         "vertex_iterations",
-        margin=_SURE,
+        nearer_margin=_SURE,
     ),
     "guided-normal": Method(
-        filters.guided_normal, _grid(sigma_normal=(0.35, 0.5)), "iterations", margin=_SURE
+        filters.guided_normal, _grid(sigma_normal=(0.35, 0.5)), "iterations", nearer_margin=_SURE
     ),
     "l0": Method(filters.l0, _grid(lam=(0.05, 0.2)), normals=False),
     "feature-convinced": Method(
@@ -106,7 +106,7 @@ _METHODS: dict[str, Method] = {
         "iterations",
         fill_in,
         "noise",
-        margin=_SURE,
+        nearer_margin=_SURE,
     ),
     "learned": Method(filters.learned, _grid(stages=(1, 2))),
 }

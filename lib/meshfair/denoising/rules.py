@@ -25,7 +25,8 @@ class Rule(NamedTuple):
     farther: float
     """Of a choice that moves the vertices more."""
     leaves_relief: bool = False
-    """Whether a mesh with relief is left as it is, or only not changed more than usual."""
+    """Whether a mesh whose relief filters take for noise is left as it is, or only not changed
+    more than by the usual one."""
     worth: float = 0.0
     """What a decibel is worth: of choices that leave the normals alike, the one nearer to
     the true place."""
@@ -40,7 +41,8 @@ class Rule(NamedTuple):
 # error.
 AMONG_ALL = Rule(0.2, 0.2, 0.2, leaves_relief=True, worth=0.05, doubt=0.15, sure_gain=3)
 # Of one method's choices: what filters that look at normals leave is told better than what
-# filters leave that smooth for any length or strength.
+# filters leave that smooth for any length or strength. With these, of training's meshes with
+# families of shapes left out, one in a hundred ends more than 5 % worse than with the defaults.
 LEFT, FARTHER, FARTHER_SMOOTHING = 0.4, 0.3, 0.55
 
 
@@ -48,7 +50,7 @@ def rule_of(method: str) -> Rule:
     """The rule by which one method's parameters are chosen."""
     # Who names averaging wants it, though it shrinks: an SNR that falls is no reason against it.
     found = find_method(method)
-    return Rule(found.margin, LEFT, FARTHER if found.normals else FARTHER_SMOOTHING)
+    return Rule(found.nearer_margin, LEFT, FARTHER if found.normals else FARTHER_SMOOTHING)
 
 
 class Results(NamedTuple):
@@ -60,7 +62,7 @@ class Results(NamedTuple):
     """Which ones are of the method that is chosen where nothing speaks for another, shape
     (r,); the first one of them, with its defaults, counts."""
     moved: Floats
-    """How far the vertices have moved, in any unit, shape (r,)."""
+    """How far the vertices have moved, in any unit, shape (r,): it is only compared."""
     relief: bool
     """Whether what the usual filter takes away repeats along the surface, as relief does."""
 
