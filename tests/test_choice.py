@@ -12,7 +12,7 @@ from meshes import grid
 from meshfair import denoising, mesh, metrics, noise, shapes
 from meshfair.denoising.choice import INNER, PATCH, PATCHES, WHOLE, Chooser, sample
 from meshfair.denoising.forecast import Forecast, Forest, forests
-from meshfair.denoising.rules import Results, Rule, ranking
+from meshfair.denoising.rules import Results, Rule, ranking, weighed
 from meshfair.denoising.traits import AROUND, Traits, _spread, at_distances, mean_around
 from meshfair.experiments import choices
 from meshfair.mesh import Edges
@@ -166,6 +166,55 @@ def test_the_less_the_gain_in_decibels_the_less_are_good_normals_believed():
     rule = Rule(0, 0, 0, doubt=0.2, sure_gain=3)
     score = ranked([-2.0, -1.0, 5.0, -1.0, -2.0], [-9, 5, -9, 2, 3], rule)
     np.testing.assert_allclose(score, [-2 + 12 * 0.2, -1, 0, -0.8, -2])
+
+
+def test_changes_are_added_to_what_they_start_from():
+    expected = Forecast(np.array([-1.0, -2.0]), np.array([0.0, 4.0]))
+    # A decibel is worth 0.1, and each that is short of 3 counts 0.5 against a result.
+    rule = Rule(0, 0, 0, worth=0.1, doubt=0.5, sure_gain=3)
+    found = expected.changed(1, Forecast(np.array([-0.3, 0.1]), np.array([-2.0, 1.0])))
+    np.testing.assert_allclose(found.log_ratio, [-2, -2.3, -1.9])
+    np.testing.assert_allclose(found.gain, [4, 2, 5])
+    np.testing.assert_allclose(weighed(found, rule), [-2.4, -2.3 - 0.2 + 0.5, -1.9 - 0.5])
+
+
+@pytest.mark.parametrize(
+    ("angle", "decibels", "moves"),
+    [
+        ([-0.1, -0.2], [0, 0], 160),
+        ([-0.1, -0.1], [0, -1], 40),
+        ([-0.02, -0.03], [-1, -2], 20),  # what a decibel is worth is more than these
+    ],
+)
+def test_the_learned_filter_goes_on_for_longer_where_that_promises_more(
+    monkeypatch, angle, decibels, moves
+):
+    V_noisy, _, F = noisy_torus()
+    told = Forecast(np.array(angle), np.array(decibels, float))
+    monkeypatch.setattr("meshfair.denoising.choice.change", lambda rows: told)
+    result = meshfair.denoise(V_noisy, F, "learned", parameters="auto")
+    assert result.parameters["vertex_iterations"] == moves
+    again = meshfair.denoise(V_noisy, F, "learned", vertex_iterations=moves)
+    np.testing.assert_array_equal(result.V, again.V)
+    given = meshfair.denoise(V_noisy, F, "learned", parameters="auto", vertex_iterations=7)
+    assert given.parameters["vertex_iterations"] == 7
+
+
+def test_what_goes_on_for_longer_is_what_the_filter_gives_then():
+    V_noisy, _, F = noisy_torus()
+    further = Chooser(V_noisy, F, {}, None, lambda part: None).further()
+    assert [c.parameters["vertex_iterations"] for c in further] == [40, 160]
+    for c in further:
+        X = meshfair.denoise(V_noisy, F, "learned", **c.parameters).V
+        np.testing.assert_array_equal(c.X, X)
+
+
+def test_tuning_looks_at_what_goes_on_for_longer():
+    # On a torus under noise in all directions, each move turns faces closer to the truth.
+    V, F = shapes.torus(sections=48, sides=20)
+    V_noisy = noise.gaussian(V, F, 0.2, np.random.default_rng(0))
+    tuned = denoising.tune(V_noisy, F, "learned", V)
+    assert tuned.parameters["vertex_iterations"] == 160
 
 
 def test_a_large_mesh_is_tried_in_patches():

@@ -336,6 +336,16 @@ def test_without_vertex_iterations_nothing_moves():
     np.testing.assert_array_equal(result(V, F, vertex_iterations=0), V)
 
 
+def test_more_vertex_iterations_go_on_from_where_fewer_end():
+    # The second stage has learned from what the first leaves after 20 moves, however many follow.
+    V, F = noisy_torus()
+    usual = [X for _, X in learned(V, F)]
+    longer = [X for _, X in learned(V, F, vertex_iterations=23)]
+    for X, Y in zip(usual, longer[:-3], strict=True):
+        np.testing.assert_array_equal(X, Y)
+    assert (longer[-1] != longer[-2]).any()
+
+
 def test_its_name_in_the_front():
     V, F = noisy_torus()
     assert denoising.defaults("learned") == {"stages": 2, "vertex_iterations": 20, "fixed": None}

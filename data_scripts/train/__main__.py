@@ -21,7 +21,6 @@ from arrays import Mesh
 from examples import KINDS, LARGEST, Example, Surface, noisy
 from kernels import Moved
 from learn import MESH, learn
-from moves import MOVES
 from network import Stage
 from score import score
 from shapes import shape
@@ -29,7 +28,7 @@ from shapes import shape
 from meshfair import mesh, noise, operators, weights
 from meshfair import shapes as built_in
 from meshfair.checks import Floats
-from meshfair.filters.learned import move_and_unfold
+from meshfair.filters.learned import MOVES, move_and_unfold
 
 ROOT = Path(__file__).resolve().parents[2]
 WEIGHTS = ROOT / "lib" / "meshfair" / "filters" / "learned.npz"

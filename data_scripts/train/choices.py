@@ -30,7 +30,7 @@ from meshfair.checks import Floats, Integers
 from meshfair.denoising import BUILT_IN
 from meshfair.denoising.choice import ALL, FIRST, Chooser
 from meshfair.denoising.forecast import LEAST_ANGLE, Forecast, Forest
-from meshfair.denoising.rules import AMONG_ALL, Results, Rule, ranking, rule_of
+from meshfair.denoising.rules import AMONG_ALL, Results, Rule, ranking, rule_of, weighed
 
 ROOT = Path(__file__).resolve().parents[2]
 WEIGHTS = ROOT / "lib" / "meshfair" / "denoising" / "forecast.npz"
@@ -44,12 +44,14 @@ KNOWN = 0.4  # share of the examples whose noise size is known
 # one, which is chosen where nothing speaks for another, counts 1: its failures have to be seen.
 SHARP, FLOOR = 2.5, 0.3
 MODELS = 4  # so many, on other rows each, err less together than one alone
-TREES = {"log_ratio": 200, "gain": 120, "alone": 200}  # in each model
+# In each model; those of what going on for longer changes see two rows of an example only.
+TREES = {"log_ratio": 200, "gain": 120, "alone": 200, "further": 60, "further_gain": 60}
 BEST, OTHERS = 14, 20  # how many candidates of an example a model sees
 OWN_BEST, OWN_OTHERS = 2, 2  # and of each method, beside its defaults, one that tells these apart
 NOISE_TRAITS = 2  # the last ones are of the noise size
 HIGHEST = 100.0  # dB: a clean mesh has an SNR without bound
 LOG_RATIOS, GAINS = (-4, 2), (-30, 15)  # what lies beyond counts as these
+CHANGES = {"further": (-0.5, 0.5), "further_gain": (-5, 5)}
 FOLDS = 4  # so often are trees fitted without some families, to see how good the choice is
 
 
@@ -94,6 +96,7 @@ def example(number: int, folder: Path) -> Path:
     chooser = Chooser(V_noisy, F, {}, actual if rng.random() < KNOWN else None, lambda part: None)
     candidates = chooser.candidates(BUILT_IN)
     V = V[chooser.vertices]
+    candidates += (further := chooser.further())
     tried = [chooser.V, *(c.X for c in candidates)]
     new = folder / f"{number}.new.npz"
     np.savez(
@@ -106,6 +109,7 @@ def example(number: int, folder: Path) -> Path:
         untouched=[c.X is chooser.V for c in candidates],
         moved=chooser.moved(candidates),
         relief=chooser.takes_relief(),
+        further=len(further),
     )
     new.replace(path)
     return path
@@ -122,15 +126,16 @@ class Example:
             ratios = np.minimum(file["ratios"], HIGHEST)
             self.untouched, self.methods = file["untouched"], file["methods"]
             self.ended, self.moved, self.relief = file["ended"], file["moved"], bool(file["relief"])
+            rows = np.arange(len(self.rows))
+            self.candidates, self.further = np.split(rows, [len(rows) - file["further"]])
         self.before = float(before)
         log_ratio = np.log((self.angles + LEAST_ANGLE) / (before + LEAST_ANGLE))
         self.log_ratio = np.clip(log_ratio, *LOG_RATIOS)
         self.gain = np.clip(ratios[1:] - ratios[0], *GAINS)
-        self.weight = self._weights(np.arange(len(self.rows)), FIRST)
-        self.weight_alone = np.empty(len(self.rows))
+        self.weight, self.weight_alone = np.ones((2, len(self.rows)))
+        self.weight[self.candidates] = self._weights(self.candidates, FIRST)
         for name in BUILT_IN:
-            own = np.flatnonzero(self.methods == name)
-            self.weight_alone[own] = self._weights(own, name) / len(BUILT_IN)
+            self.weight_alone[self.own(name)] = self._weights(self.own(name), name) / len(BUILT_IN)
 
     def _weights(self, rows: Integers, usual: str) -> Floats:
         """How much each of some rows counts, all together 1; `usual` is a method."""
@@ -138,9 +143,23 @@ class Example:
         near[rows == self.default(usual)] = 1
         return near / near.sum()
 
+    def own(self, method: str) -> Integers:
+        """The rows of a method's candidates."""
+        return self.candidates[self.methods[self.candidates] == method]
+
+    def lesson(self, name: str, rng: np.random.Generator) -> tuple[Integers, Floats, Floats]:
+        """Rows for one model of some trees, what it shall say of them, and how much they count."""
+        if name in CHANGES:
+            told = self.log_ratio if name == "further" else self.gain
+            change = told[self.further] - told[self.default(FIRST)]
+            return self.further, np.clip(change, *CHANGES[name]), np.ones(len(change))
+        rows = self.kept_alone(rng) if name == "alone" else self.kept(rng)
+        weight = (self.weight_alone if name == "alone" else self.weight)[rows]
+        return rows, (self.gain if name == "gain" else self.log_ratio)[rows], weight / weight.sum()
+
     def kept(self, rng: np.random.Generator) -> Integers:
         """Rows for one model: the best ones, some of the others, and the usual one."""
-        order = np.argsort(self.log_ratio, kind="stable")
+        order = np.argsort(self.log_ratio[self.candidates], kind="stable")
         others = rng.permutation(order[BEST:])[:OTHERS]
         return np.unique(np.concatenate([order[:BEST], others, [self.default(FIRST)]]))
 
@@ -148,7 +167,7 @@ class Example:
         """Rows for a model that tells one method's apart: of each the best, and some others."""
         kept: list[Integers] = []
         for name in BUILT_IN:
-            own = np.flatnonzero(self.methods == name)
+            own = self.own(name)
             own = own[np.argsort(self.log_ratio[own], kind="stable")]
             kept += [own[:OWN_BEST], rng.permutation(own[OWN_BEST:])[:OWN_OTHERS]]
         return np.unique(np.concatenate([*kept, list(map(self.default, BUILT_IN))]))
@@ -167,8 +186,16 @@ class Example:
         """The row that a rule chooses among some methods."""
         is_usual = (self.methods == usual) & self.ended
         score = ranking(expected, Results(self.untouched, is_usual, self.moved, self.relief), rule)
-        score[~np.isin(self.methods, methods)] = np.inf
+        score[~np.isin(self.methods, methods)] = score[self.further] = np.inf
         return int(score.argmin())
+
+    def longer(self, row: int, said: Forecast, changes: Forecast) -> int:
+        """The row that goes on for longer from a chosen one, or this."""
+        if row != self.default(FIRST):
+            return row
+        of_further = Forecast(*(by[self.further] for by in changes))
+        best = weighed(said.changed(row, of_further), AMONG_ALL).argmin()
+        return int([row, *self.further][best])
 
 
 Trees = dict[str, list[HistGradientBoostingRegressor]]
@@ -189,15 +216,10 @@ def fitted(examples: list[Example]) -> Trees:
             random_state=seed,
         )
         rng = np.random.default_rng(seed)
-        alone = name == "alone"
-        kept = [e.kept_alone(rng) if alone else e.kept(rng) for e in examples]
-        pairs = list(zip(examples, kept, strict=True))
-        rows = np.concatenate([e.rows[k] for e, k in pairs])
-        learned = "log_ratio" if alone else name
-        wanted = np.concatenate([getattr(e, learned)[k] for e, k in pairs])
-        weights = [(e.weight_alone if alone else e.weight)[k] for e, k in pairs]
-        weight = np.concatenate([each / each.sum() for each in weights])
-        model.fit(rows, wanted, weight * len(weight) / weight.sum())
+        kept, wanted, weights = zip(*(e.lesson(name, rng) for e in examples), strict=True)
+        rows = np.concatenate([e.rows[k] for e, k in zip(examples, kept, strict=True)])
+        weight = np.concatenate(weights)
+        model.fit(rows, np.concatenate(wanted), weight * len(weight) / weight.sum())
         trees[name].append(model)
     return trees
 
@@ -223,12 +245,13 @@ def report_choices(examples: list[Example]) -> None:
                 continue
             said, angles = predicted(trees, e.without_noise_size()), e.angles + LEAST_ANGLE
             expected, alone = (Forecast(said[n], said["gain"]) for n in ("log_ratio", "alone"))
+            changes = Forecast(said["further"], said["further_gain"])
             best = min(angles[e.default(name)] for name in BUILT_IN)
-            row = e.chosen(expected, ALL, AMONG_ALL, FIRST)
+            row = e.longer(e.chosen(expected, ALL, AMONG_ALL, FIRST), expected, changes)
             regret["choice"].append(angles[row] / best)
             worse, lost = worse + (e.angles[row] > 1.01 * e.before), lost + (e.gain[row] < -0.1)
             for name in BUILT_IN:
-                own = e.chosen(alone, [name], rule_of(name), name)
+                own = e.longer(e.chosen(alone, [name], rule_of(name), name), alone, changes)
                 regret[name].append(angles[own] / angles[e.default(name)])
             count += 1
     print(f"{count} examples of families held out; angle over the best default's, or the own:")

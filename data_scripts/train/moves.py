@@ -10,9 +10,9 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from meshfair.checks import Floats, Integers
+from meshfair.filters.learned import MOVES
 from meshfair.filters.normal_filtering import move_vertices
 
-MOVES = 20  # how often the vertices are moved after a stage: the filter's default
 SMALLEST = 0.05  # of the mean area: the slope of the normal of a smaller face is cut off
 LEAST = 1e-300  # what no face is smaller than, where it is divided by
 

@@ -6,6 +6,7 @@ the traits of what comes of it how much of the noisy mesh's error is left, and t
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
@@ -13,7 +14,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from meshfair.checks import Floats, Integers, MeshError
-from meshfair.denoising.forecast import forecast
+from meshfair.denoising.forecast import Forecast, change, forecast
 from meshfair.denoising.registry import (
     BUILT_IN,
     Parameters,
@@ -23,7 +24,7 @@ from meshfair.denoising.registry import (
     same,
     with_noise,
 )
-from meshfair.denoising.rules import AMONG_ALL, Results, ranking, rule_of
+from meshfair.denoising.rules import AMONG_ALL, Results, ranking, rule_of, weighed
 from meshfair.denoising.traits import Traits
 from meshfair.mesh import face_shapes, mean_edge_length
 from meshfair.solve import SolveError
@@ -168,16 +169,17 @@ class Chooser:
         why_not = "nothing promises to bring it closer to the true mesh"
         if results.relief and rule.leaves_relief:
             why_not = "what filters would take away repeats, as a relief does"
-        ratio, noise = np.where(untouched, 1, expected.ratio), self._noise()
-        reasons = [
-            f"left as it is: {why_not}" if same else f"{noise}; {r:.0%} of the error should be left"
-            for same, r in zip(untouched, ratio, strict=True)
-        ]
-        return [
-            Choice(c.method, c.parameters, c.stop, float(ratio[k]), reasons[k])
-            for k in np.argsort(score, kind="stable")
-            for c in (candidates[k],)
-        ]
+        order, noise = np.argsort(score, kind="stable"), self._noise()
+        found = [(candidates[k], float(expected.ratio[k])) for k in order]
+        if usual == FIRST and order[0] in np.flatnonzero(is_usual)[:1]:
+            found[0] = self._longer(found[0][0], expected, order[0])
+        choices: list[Choice] = []
+        for c, ratio in found:
+            reason = f"{noise}; {ratio:.0%} of the error should be left"
+            if c.X is self.V:
+                ratio, reason = 1.0, f"left as it is: {why_not}"
+            choices.append(Choice(c.method, c.parameters, c.stop, ratio, reason))
+        return choices
 
     def candidates(self, names: Sequence[str]) -> list[Candidate]:
         """Try all candidates of some methods.
@@ -207,6 +209,25 @@ class Chooser:
         if not candidates:
             raise self.failed[0][1]
         return candidates
+
+    def further(self) -> list[Candidate]:
+        """Results of the usual method, where it goes on for longer than by its defaults.
+
+        Returns
+        -------
+        list of Candidate
+        """
+        usual, found = self._parameters(FIRST)[0], list[Candidate]()
+        for name, counts in find_method(FIRST).further.items():
+            if name in self.chosen:
+                continue
+            # The longest passes by the others.
+            run = self._run(FIRST, usual | {name: max(counts)})
+            states = deque((X for _, X in run), max(counts) - min(counts) + 1)
+            for k in counts:
+                X = self._inside(states[k - max(counts) - 1])
+                found.append(Candidate(FIRST, usual | {name: k}, None, X))
+        return found
 
     def rows(self, candidates: list[Candidate]) -> Floats:
         """The traits of candidates, as `meshfair.denoising.forecast` takes them.
@@ -251,6 +272,15 @@ class Chooser:
         one, two, three, four, *_ = self.traits.alike(along - along.mean())
         strong = three - two > REPEATS and one < NEIGHBOURS
         return strong or (max(two, four) < -OPPOSITE and three - (two + four) / 2 > OPPOSITE)
+
+    def _longer(self, usual: Candidate, expected: Forecast, k: int) -> tuple[Candidate, float]:
+        """The usual result, the k-th of those that are expected, or one that goes on from it."""
+        further = self.further()
+        if not further:
+            return usual, float(expected.ratio[k])
+        expected = expected.changed(k, change(self.rows(further)))
+        best = weighed(expected, AMONG_ALL).argmin()
+        return [usual, *further][best], float(expected.ratio[best])
 
     def _parameters(self, name: str) -> list[Parameters]:
         """Those of a method's trials, each once: its defaults first."""

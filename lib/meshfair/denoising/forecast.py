@@ -77,6 +77,11 @@ class Forecast(NamedTuple):
         """The normals' error after and before: 0.1 where a tenth of it is left."""
         return np.exp(self.log_ratio)
 
+    def changed(self, k: int, changes: Forecast) -> Forecast:
+        """What is expected of result k, and then of those that differ from it by these changes."""
+        both = zip(self, changes, strict=True)
+        return Forecast(*(said[k] + np.concatenate([[0.0], by]) for said, by in both))
+
 
 def forecast(X: Floats, alone: bool = False) -> Forecast:
     """How much closer than the noisy mesh results are to the ground truth.
@@ -97,6 +102,24 @@ def forecast(X: Floats, alone: bool = False) -> Forecast:
     return Forecast(trees["alone" if alone else "log_ratio"](X), trees["gain"](X))
 
 
+def change(X: Floats) -> Forecast:
+    """How much closer results that go on for longer are than those they go on from.
+
+    Parameters
+    ----------
+    X : ndarray of float64, shape (r, number of traits)
+        A row of traits for each result of the learned filter that has moved the vertices for
+        longer.
+
+    Returns
+    -------
+    Forecast
+        Relative to the learned filter's default: 0 is as good as that.
+    """
+    trees = forests()
+    return Forecast(trees["further"](X), trees["further_gain"](X))
+
+
 @cache
 def forests() -> dict[str, Forest]:
     """The trees from the file that comes with the package.
@@ -104,10 +127,11 @@ def forests() -> dict[str, Forest]:
     Returns
     -------
     dict of str to Forest
-        log_ratio and gain, see `Forecast`; and alone, for the log_ratio of one method's results.
+        log_ratio and gain, see `Forecast`; alone, for the log_ratio of one method's results;
+        further and further_gain, see `change`.
     """
     with np.load(str(files("meshfair.denoising") / "forecast.npz")) as file:
         return {
             name: Forest(*(file[f"{name}/{field}"] for field in Forest._fields))
-            for name in ("log_ratio", "gain", "alone")
+            for name in ("log_ratio", "gain", "alone", "further", "further_gain")
         }

@@ -209,7 +209,8 @@ def tune(
     found = find_method(method)
     run = Run(V, F, ground_truth, callback, chosen, normals=found.normals)
     trials: list[Parameters] = []
-    for candidate in found.candidates:
+    further = [{name: count} for name, counts in found.further.items() for count in counts]
+    for candidate in (*found.candidates, *further):
         given = defaults(method) | candidate | run.chosen
         trials.append(found.filled_in(run.V, run.F, given))
     return run.ended(method, run.better_states(found, distinct(trials)))

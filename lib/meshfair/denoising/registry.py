@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
 
@@ -40,6 +40,9 @@ class Method:
     nearer_margin: float = 0.3
     """What other parameters that change the mesh less than its defaults have to promise more,
     in log ratio: see `meshfair.denoising.rules`."""
+    further: Mapping[str, Sequence[int]] = field(default_factory=dict)
+    """A number of iterations and values above its default, with which the method goes on from
+    what its defaults lead to: chosen once these are, by `meshfair.denoising.forecast.change`."""
 
     def filled_in(self, V: Floats, F: Integers, parameters: Parameters) -> Parameters:
         """The parameters with those that are None chosen from the mesh."""
@@ -108,7 +111,9 @@ _METHODS: dict[str, Method] = {
         "noise",
         nearer_margin=_SURE,
     ),
-    "learned": Method(filters.learned, _grid(stages=(1, 2))),
+    "learned": Method(
+        filters.learned, _grid(stages=(1, 2)), further={"vertex_iterations": (40, 160)}
+    ),
 }
 BUILT_IN = tuple(_METHODS)
 """The methods that come with the package, among which "auto" chooses."""

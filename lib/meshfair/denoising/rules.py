@@ -67,6 +67,23 @@ class Results(NamedTuple):
     """Whether what the usual filter takes away repeats along the surface, as relief does."""
 
 
+def weighed(expected: Forecast, rule: Rule) -> Floats:
+    """Expected log ratios, and with them what decibels count: the less the better.
+
+    Parameters
+    ----------
+    expected : Forecast
+        Of r results.
+    rule : Rule
+
+    Returns
+    -------
+    ndarray of float64, shape (r,)
+    """
+    short = np.maximum(0, rule.sure_gain - expected.gain)
+    return expected.log_ratio - rule.worth * expected.gain + rule.doubt * short
+
+
 def ranking(expected: Forecast, results: Results, rule: Rule) -> Floats:
     """What results are ranked by, the least first.
 
@@ -82,8 +99,7 @@ def ranking(expected: Forecast, results: Results, rule: Rule) -> Floats:
     ndarray of float64, shape (r,)
     """
     untouched, first = results.untouched, np.flatnonzero(results.usual)[:1]
-    short = np.maximum(0, rule.sure_gain - expected.gain)
-    score = expected.log_ratio - rule.worth * expected.gain + rule.doubt * short
+    score = weighed(expected, rule)
     score[untouched] = 0
     farther = results.moved > (results.moved[first] if len(first) else np.inf)
     margin = np.where(untouched, rule.left, np.where(farther, rule.farther, rule.nearer))
