@@ -98,6 +98,7 @@ def _grid(table: pd.DataFrame) -> dict[str, str]:
     ways = table[~table["method"].isin(["none", "auto"])].pivot(
         index=cells, columns="parameters", values="normal_angle"
     )
+    longer, decibels = _longer(table)
     automatic = (ways["auto"] / ways["default"]).dropna()
     tuned = table[table["parameters"] == "tuned"]
     best = tuned.loc[tuned.groupby(["mesh", "kind", "size"])["normal_angle"].idxmin(), "method"]
@@ -122,6 +123,7 @@ def _grid(table: pd.DataFrame) -> dict[str, str]:
         "single-worst": f"{single['worst'].iloc[0]:.1f}",
         "own-default-median": f"{ratio.median():.3f}",
         "own-default-mean": f"{np.exp(np.log(ratio).mean()):.2f}",
+        "own-default-below": f"{100 * (ratio < 1).mean():.0f}",
         "own-default-near": f"{100 * (ratio <= NEAR).mean():.0f}",
         "own-default-worst": f"{ratio.max():.1f}",
         "auto-ratio": f"{np.exp(np.log(automatic).mean()):.2f}",
@@ -131,7 +133,24 @@ def _grid(table: pd.DataFrame) -> dict[str, str]:
         "own-harm": str((harm > HARM).sum()),
         "own-harm-worst": f"{100 * (harm.max() - 1):.1f}",
         "own-lost-worst": f"{lost.max():.1f}",
+        "longer-cells": str(len(longer)),
+        "longer-ratio": f"{np.exp(np.log(longer).mean()):.2f}",
+        "longer-worst": f"{longer.max():.2f}",
+        "longer-gain": f"{decibels.mean():.1f}",
     }
+
+
+def _longer(table: pd.DataFrame) -> tuple[pd.Series, pd.Series]:
+    """Where the front's learned filter is not the default: the ratio of angles, and what SNR gains."""
+    plain = table[table["parameters"] == "default"]
+    default, own = (
+        plain[plain["method"] == method].set_index(["mesh", "kind", "size"])
+        for method in ("learned", "auto")
+    )
+    own = own[own["chosen"] == "learned"]
+    ratio = own["normal_angle"] / default["normal_angle"].loc[own.index]
+    gain = own["snr"] - default["snr"].loc[own.index]
+    return ratio[ratio != 1], gain[ratio != 1]
 
 
 def _draws(data: Tables) -> dict[str, str]:

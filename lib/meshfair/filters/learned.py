@@ -56,9 +56,9 @@ def learned(
 
     Each stage filters the normals in 14 ways, see
     `meshfair.filters.normal_bank.filtered_normals`, finds one normal a face from these by
-    a network whose weights come with the package, and moves the vertices to fit. There is
-    nothing to choose for a mesh: noise of any size, flat sides, creases and details were all
-    among the examples.
+    a network whose weights come with the package, and moves the vertices to fit. Its
+    defaults serve any mesh: noise of any size, flat sides, creases and details were all among
+    the examples.
 
     Parameters
     ----------
@@ -68,9 +68,9 @@ def learned(
         How many stages to run: 1, or 2.
     vertex_iterations : int
         How often the vertices are moved in each stage; before the last at most 20 times, as
-        in training. More bring the mesh closer to the normals that were found, which is better
-        where these are good, as on flat and smooth surfaces with strong noise; but with the
-        normals' errors, places over many edges go astray.
+        in training. More bring the mesh closer to the normals that were found, which helps
+        where these are good, as on flat and smooth surfaces under strong noise; elsewhere their
+        errors add up over many edges, and places go astray.
 
     Yields
     ------
