@@ -141,7 +141,7 @@ def _grid(table: pd.DataFrame) -> dict[str, str]:
 
 
 def _longer(table: pd.DataFrame) -> tuple[pd.Series, pd.Series]:
-    """Where the front's learned filter is not the default: the ratio of angles, and what SNR gains."""
+    """Where the front's learned filter is not the default: ratio of angles, and gain in SNR."""
     plain = table[table["parameters"] == "default"]
     default, own = (
         plain[plain["method"] == method].set_index(["mesh", "kind", "size"])
