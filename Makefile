@@ -51,7 +51,7 @@ shapes: $(VENV)/fast.done ## write the built-in shapes to data/
 train: $(VENV)/train.done ## train the learned filter anew (two hours), or go on where that was interrupted
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python data_scripts/train
 
-forecast: $(VENV)/train.done ## train the choice between filters anew (an hour), or go on where that was interrupted
+forecast: $(VENV)/train.done ## train the choice between filters anew (two hours), or go on where that was interrupted
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python data_scripts/train/choices.py
 
 grid: $(VENV)/report.done $(VENV)/fast.done ## compare the choices of methods and parameters on the grid (an hour), or go on where that was interrupted

@@ -196,8 +196,9 @@ def test_the_learned_filter_goes_on_for_longer_where_that_promises_more(
     assert result.parameters["vertex_iterations"] == moves
     again = meshfair.denoise(V_noisy, F, "learned", vertex_iterations=moves)
     np.testing.assert_array_equal(result.V, again.V)
-    given = meshfair.denoise(V_noisy, F, "learned", parameters="auto", vertex_iterations=7)
-    assert given.parameters["vertex_iterations"] == 7
+    for given in ({"vertex_iterations": 7}, {"stages": 1}):
+        found = meshfair.denoise(V_noisy, F, "learned", parameters="auto", **given)
+        assert found.parameters["vertex_iterations"] == given.get("vertex_iterations", 20)
 
 
 def test_what_goes_on_for_longer_is_what_the_filter_gives_then():

@@ -16,10 +16,10 @@ from importlib import import_module
 from typing import Any
 
 # Rows (vertices or faces) from which on the loops repay the half second that numba and they take
-# to load: ten flows of twenty steps on 20,000 vertices save as much, or, on 1,000 faces, one
-# choice of a method, which runs twenty filters (tests/benchmarks/thresholds.py).
+# to load: ten flows of twenty steps on 20,000 vertices save as much, or two runs of guided normal
+# filtering or of feature-convinced denoising on 3,000 faces (tests/benchmarks/thresholds.py).
 ROWS = 20_000
-FILTER_ROWS = 1_000
+FILTER_ROWS = 3_000
 
 _MODULES = (
     "cg", "creases", "faces", "filters", "flow", "intrinsic", "kernels", "learned", "multigrid",

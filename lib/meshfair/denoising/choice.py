@@ -216,11 +216,12 @@ class Chooser:
         Returns
         -------
         list of Candidate
+            None where parameters are given: training has gone on from the defaults only.
         """
+        if set(self.chosen) - {"fixed"}:
+            return []
         usual, found = self._parameters(FIRST)[0], list[Candidate]()
         for name, counts in find_method(FIRST).further.items():
-            if name in self.chosen:
-                continue
             # The longest passes by the others.
             run = self._run(FIRST, usual | {name: max(counts)})
             states = deque((X for _, X in run), max(counts) - min(counts) + 1)
