@@ -51,7 +51,7 @@ OWN_BEST, OWN_OTHERS = 2, 2  # and of each method, beside its defaults, one that
 NOISE_TRAITS = 2  # the last ones are of the noise size
 HIGHEST = 100.0  # dB: a clean mesh has an SNR without bound
 LOG_RATIOS, GAINS = (-4, 2), (-30, 15)  # what lies beyond counts as these
-CHANGES = {"further": (-0.5, 0.5), "further_gain": (-5, 5)}
+CHANGES = {"further": (-0.5, 0.5), "further_gain": (-5, 5)}  # by going on for longer, likewise
 FOLDS = 4  # so often are trees fitted without some families, to see how good the choice is
 
 

@@ -216,7 +216,7 @@ class Chooser:
         Returns
         -------
         list of Candidate
-            None where parameters are given: training has gone on from the defaults only.
+            Empty where parameters are given: training has gone on from the defaults only.
         """
         if set(self.chosen) - {"fixed"}:
             return []
