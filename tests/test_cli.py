@@ -315,7 +315,9 @@ def test_denoise_fixes_the_boundary(run, tmp_path, rng):
     ("words", "message"),
     [
         (["--method", "magic"], "magic"),
-        (["--method", "heat", "--set", "strength=1"], "--set strength=1: no such parameter"),
+        (["--method", "heat", "--set", "force=1"], "--set force=1: no such parameter"),
+        (["--method", "heat", "--set", "strength=1"], "parameter; it is the option --strength"),
+        (["--strength", "2"], "--strength is 2.0; give a number of at least 0 and at most 1"),
         (["--method", "heat", "--weights", "heavy"], "weights is 'heavy'"),
         (["--method", "heat", "--time", "-1"], "time"),
         (["--method", "heat", "--set", "tau=fast"], "tau is 'fast'"),
@@ -327,6 +329,20 @@ def test_wrong_denoising_is_refused_in_one_line(run, noisy, tmp_path, words, mes
     assert code == 1
     assert message in one_line(err)
     assert not (tmp_path / "o.ply").exists()
+
+
+@pytest.mark.parametrize("words", [[], ["--method", "heat", "--time", 2]])
+def test_a_part_of_the_way_on_the_command_line(run, noisy, tmp_path, words):
+    out = tmp_path / "o.ply"
+    code, said, _ = run("denoise", noisy, out, "--strength", 0.5, *words)
+    assert code == 0
+    assert re.search(r"^strength +0\.5$", said, re.MULTILINE)
+    assert run("denoise", noisy, "--out", tmp_path / "many", "--strength", 0.5, *words)[0] == 0
+    V = io.read(noisy)[0]
+    assert not np.array_equal(V, io.read(out)[0])
+    code, _, _ = run("denoise", noisy, out, "--force", "--strength", 0, *words)
+    assert code == 0
+    assert np.array_equal(io.read(out)[0], V)
 
 
 def test_a_known_size_of_the_noise_is_used(run, noisy, tmp_path):

@@ -148,7 +148,7 @@ def test_a_filter_of_ones_own(noisy_box, monkeypatch):
         ({"parameters": "auto", "sigma": -1.0}, "sigma"),
         ({"method": "feature-convinced", "sigma": np.nan}, "sigma is nan"),
         ({"method": "tauben"}, r"learned \(did you mean 'taubin'\?\)$"),
-        ({"method": "sun", "treshold": 1}, r"fixed \(did you mean 'threshold'\?\)$"),
+        ({"method": "sun", "treshold": 1}, r"strength \(did you mean 'threshold'\?\)$"),
         ({"method": "heat", "weights": "Cotan"}, r"cotangent \(did you mean 'cotangent'\?\)$"),
         ({"method": "taubin", "sigma": 0.2}, "taubin with default parameters does not use it"),
     ],
@@ -179,11 +179,69 @@ def test_a_known_noise_size_is_used(noisy_box, monkeypatch):
 
     monkeypatch.setattr(registry, "_METHODS", dict(registry._METHODS))
 
-    @denoising.register("by noise", noise="strength")
-    def by_noise(V, F, *, strength=None, fixed=None):
-        yield 1.0, V * (1 - strength)
+    @denoising.register("by noise", noise="size")
+    def by_noise(V, F, *, size=None, fixed=None):
+        yield 1.0, V * (1 - size)
 
     np.testing.assert_array_equal(meshfair.denoise(V, F, "by noise", sigma=0.25).V, V * 0.75)
+
+
+@pytest.mark.parametrize("method", NAMES)
+def test_a_part_of_the_way_with_any_method(method, noisy_box):
+    V, clean, F = noisy_box
+    whole = meshfair.denoise(V, F, method, fixed=[0, 5])
+    part = meshfair.denoise(V, F, method, strength=0.25, fixed=[0, 5], ground_truth=clean)
+    np.testing.assert_allclose(part.V, 0.75 * V + 0.25 * whole.V, atol=1e-12)
+    np.testing.assert_array_equal(part.V[[0, 5]], V[[0, 5]])
+    assert part.parameters == whole.parameters | {"strength": 0.25}
+    assert part.history["snr"].iloc[-1] == metrics.snr(clean, part.V)
+    assert len(part.history) == len(meshfair.denoise(V, F, method, ground_truth=clean).history)
+
+
+def test_the_ends_of_the_way(noisy_box):
+    V, _, F = noisy_box
+    whole = meshfair.denoise(V, F, "taubin")
+    np.testing.assert_array_equal(meshfair.denoise(V, F, "taubin", strength=0).V, V)
+    np.testing.assert_array_equal(meshfair.denoise(V, F, "taubin", strength=1).V, whole.V)
+    assert "strength" not in whole.parameters
+
+
+def test_the_error_on_the_way_is_a_parabola(noisy_box):
+    # With e the noise and r what was taken away, the squared error is |e|^2 - 2 s e'r + s^2 |r|^2.
+    V, clean, F = noisy_box
+    r, e = V - meshfair.denoise(V, F, "averaging").V, V - clean
+    best = np.sum(e * r) / np.sum(r * r)
+    assert 0.2 < best < 0.8  # averaging shrinks this box: all of the way is too far
+    for s in (0.1, best, 0.9):
+        left = np.sum((meshfair.denoise(V, F, "averaging", strength=s).V - clean) ** 2)
+        expected = np.sum(e * e) - 2 * s * np.sum(e * r) + s**2 * np.sum(r * r)
+        assert left == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("method", "parameters"), [("auto", "default"), ("taubin", "default"), ("taubin", "auto")]
+)
+def test_a_given_strength_holds_for_whatever_is_chosen(noisy_box, method, parameters):
+    V, _, F = noisy_box
+    result = meshfair.denoise(V, F, method, parameters=parameters, strength=0.5)
+    assert result.parameters["strength"] == 0.5
+    whole = meshfair.denoise(V, F, result.method, **result.parameters | {"strength": 1}).V
+    np.testing.assert_allclose(result.V, (V + whole) / 2, atol=1e-12)
+
+
+@pytest.mark.parametrize("strength", [-0.1, 1.5, np.nan, "half", None])
+def test_a_strength_beyond_the_way_is_refused(noisy_box, strength):
+    V, _, F = noisy_box
+    with pytest.raises(ValueError, match=r"^strength is .*; give a number of at least 0 and at"):
+        meshfair.denoise(V, F, "taubin", strength=strength)
+
+
+def test_a_filter_with_a_strength_of_its_own_is_refused():
+    with pytest.raises(ValueError, match=r"^own has a parameter 'strength', which is the part"):
+
+        @denoising.register("own")
+        def own(V, F, *, strength=3):
+            yield 1.0, V
 
 
 def far_vertex():

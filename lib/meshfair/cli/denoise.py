@@ -50,6 +50,13 @@ def add_arguments(parser: Parser) -> None:
     parser.add_argument("--weights", help="combinatorial, distance or cotangent, for diffusion")
     parser.add_argument("--time", type=float, help="how long to flow, for heat")
     parser.add_argument(
+        "--strength",
+        type=float,
+        metavar="PART",
+        help="the part of the way, 0 to 1, from IN to where the method leads: less keeps more "
+        "detail, and noise (default 1, or what is chosen)",
+    )
+    parser.add_argument(
         "--set",
         action="append",
         default=[],
@@ -194,7 +201,7 @@ class _Task:
         chosen = [
             f"{name}={printing.shortened(value, 3)}"
             for name, value in facts["parameters"].items()
-            if value != defaults[name]
+            if value != defaults.get(name)  # the strength has none
         ]
         if self.options.method == parameters.DEFAULT_METHOD:
             chosen.insert(0, facts["method"])

@@ -87,9 +87,10 @@ def chosen(options: argparse.Namespace) -> dict[str, Any]:
     has = f"{method} has {', '.join(defaults) or 'none'}"
     if method == DEFAULT_METHOD:
         has = "auto chooses all of them; name a --method, too"
-    given = {n: getattr(options, n) for n in ("weights", "time") if getattr(options, n) is not None}
+    named = ("weights", "time", "strength")
+    given = {name: getattr(options, name) for name in named if getattr(options, name) is not None}
     for name in given:
-        if name not in defaults:
+        if name not in defaults and name != "strength":
             raise ValueError(f"{option_of[name]} is no parameter of {method}; {has}")
     for name, text in options.set:
         if name not in defaults:

@@ -18,6 +18,7 @@ from meshfair.checks import (
 from meshfair.denoising.choice import ALL, Chooser
 from meshfair.denoising.registry import (
     DEFAULT,
+    STRENGTH,
     Parameters,
     defaults,
     distinct,
@@ -88,8 +89,10 @@ def denoise(
         Called with the progress, a number up to 1, after each iteration.
         When it returns False (not None), the work ends there.
     **chosen
-        The method's parameters by name; ``fixed`` (vertices that keep their place,
-        as a boolean mask (n,) or as indices) is one that they all have.
+        The method's parameters by name. All have ``fixed``, vertices that keep their place,
+        as a boolean mask (n,) or as indices; and ``strength``, the part, from 0 to 1, of the
+        way from the noisy mesh to where the filter leads: the less, the more detail is kept,
+        and noise. It is 1 where "auto" does not choose another one.
 
     Returns
     -------
@@ -128,14 +131,16 @@ def denoise(
 
 def _check_chosen(method: str, chosen: Parameters, sigma: float | None, auto: bool) -> None:
     """Refuse parameters that the method does not have."""
+    if STRENGTH in chosen:
+        check_number(chosen[STRENGTH], STRENGTH, 0, 1)
     if method == "auto":
-        if named := set(chosen) - {"fixed"}:
+        if named := set(chosen) - {"fixed", STRENGTH}:
             raise ValueError(
                 f'{min(named)} is given, but method="auto" chooses all parameters; name the '
                 "method, too"
             )
         return
-    known = defaults(method)
+    known = [*defaults(method), STRENGTH]
     for name in chosen:
         if name not in known:
             raise ValueError(
@@ -209,8 +214,7 @@ def tune(
     found = find_method(method)
     run = Run(V, F, ground_truth, callback, chosen, normals=found.normals)
     trials: list[Parameters] = []
-    further = [{name: count} for name, counts in found.further.items() for count in counts]
-    for candidate in (*found.candidates, *further):
+    for candidate in (*found.candidates, *found.refinements):
         given = defaults(method) | candidate | run.chosen
         trials.append(found.filled_in(run.V, run.F, given))
     return run.ended(method, run.better_states(found, distinct(trials)))

@@ -17,6 +17,11 @@ from meshfair.filters.feature_convinced import fill_in
 Parameters = dict[str, Any]
 States = Iterator[tuple[float, Floats]]
 
+STRENGTH = "strength"
+"""A parameter of all methods, beside those of the filter: see `meshfair.denoising.denoise`."""
+PARTS = tuple(k / 8 for k in range(1, 8))
+"""Strengths below 1 among which to choose."""
+
 
 @dataclass(frozen=True)
 class Method:
@@ -42,7 +47,36 @@ class Method:
     in log ratio: see `meshfair.denoising.rules`."""
     further: Mapping[str, Sequence[int]] = field(default_factory=dict)
     """A number of iterations and values above its default, with which the method goes on from
-    what its defaults lead to: chosen once these are, by `meshfair.denoising.forecast.change`."""
+    what its defaults lead to: chosen once these are, by `meshfair.denoising.forecast.change`.
+    Where all of the way is in doubt, a part of it is chosen (`best_part`)."""
+
+    @property
+    def refinements(self) -> list[Parameters]:
+        """What may be chosen in place of a default once the defaults are chosen."""
+        longer = [{name: count} for name, counts in self.further.items() for count in counts]
+        return longer + [{STRENGTH: part} for part in PARTS] if self.further else []
+
+    def states(self, V: Floats, F: Integers, parameters: Parameters) -> States:
+        """Yield what the filter yields, with the vertices a part of the way there.
+
+        Parameters
+        ----------
+        V : ndarray of float64, shape (n, 3)
+        F : ndarray of int64, shape (m, 3)
+        parameters : dict
+            The filter's, and the part as `STRENGTH`; without it, all of the way.
+
+        Yields
+        ------
+        progress, V
+        """
+        parameters = dict(parameters)
+        strength = parameters.pop(STRENGTH, 1.0)
+        last = part = V
+        for progress, X in self.function(V, F, **parameters):
+            if X is not last:
+                last, part = X, X if strength == 1 else V + strength * (X - V)
+            yield progress, part
 
     def filled_in(self, V: Floats, F: Integers, parameters: Parameters) -> Parameters:
         """The parameters with those that are None chosen from the mesh."""
@@ -170,12 +204,17 @@ def register(
     Raises
     ------
     ValueError
-        The name is "auto".
+        The name is "auto"; the filter has a parameter ``strength``, which is that of all methods.
     """
     if name == DEFAULT:
         raise ValueError(f"name is {name!r}, which chooses among all methods; give another one")
 
     def add(function: Callable[..., States]) -> Callable[..., States]:
+        if STRENGTH in inspect.signature(function).parameters:
+            raise ValueError(
+                f"{name} has a parameter {STRENGTH!r}, which is the part of the way that denoise "
+                "takes with any method; call the filter's own by another name"
+            )
         _METHODS[name] = Method(function, list(candidates), count, fill_in, noise, normals)
         return function
 
@@ -226,7 +265,9 @@ def find_method(method: str) -> Method:
 
 def same(first: Parameters, second: Parameters) -> bool:
     """Whether parameters agree; ``fixed`` may be an array."""
-    return all(np.array_equal(first[name], second[name]) for name in first)
+    return first.keys() == second.keys() and all(
+        np.array_equal(first[name], second[name]) for name in first
+    )
 
 
 def distinct(trials: Iterable[Parameters]) -> list[Parameters]:

@@ -26,7 +26,8 @@ class Denoised(NamedTuple):
     method: str
     """The method's name."""
     parameters: Parameters
-    """All parameters that were used; with them `denoise` gives the same V again."""
+    """All parameters that were used, ``strength`` where it was given or chosen; with them
+    `denoise` gives the same V again."""
     history: pd.DataFrame | None
     """Against the ground truth, a pandas table of iteration, normal_angle (degrees) and snr
     (decibels), from the noisy mesh at iteration 0 on; None without a ground truth."""
@@ -117,7 +118,7 @@ class Run:
         history = self._measured(self.V)
         yield State(self.V.copy(), parameters, history)
         last = self.V
-        for progress, X in method.function(self.V, self.F, **parameters):
+        for progress, X in method.states(self.V, self.F, parameters):
             if X is not last:
                 history += self._measured(X)
                 yield State(X, parameters, history)
