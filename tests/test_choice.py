@@ -10,9 +10,19 @@ from scipy.sparse.csgraph import shortest_path
 import meshfair
 from meshes import grid
 from meshfair import denoising, mesh, metrics, noise, shapes
-from meshfair.denoising.choice import INNER, PATCH, PATCHES, WHOLE, Chooser, sample
-from meshfair.denoising.forecast import Forecast, Forest, forests
-from meshfair.denoising.rules import Results, Rule, ranking, weighed
+from meshfair.denoising.choice import ALL, FIRST, INNER, PATCH, PATCHES, WHOLE, Chooser, sample
+from meshfair.denoising.forecast import Forecast, Forest, Part, forests
+from meshfair.denoising.rules import (
+    CHOSEN,
+    LEFT_ALONE,
+    NAMED,
+    Caution,
+    Results,
+    Rule,
+    ranking,
+    strength,
+    weighed,
+)
 from meshfair.denoising.traits import AROUND, Traits, _spread, at_distances, mean_around
 from meshfair.experiments import choices
 from meshfair.mesh import Edges
@@ -178,6 +188,36 @@ def test_changes_are_added_to_what_they_start_from():
     np.testing.assert_allclose(weighed(found, rule), [-2.4, -2.3 - 0.2 + 0.5, -1.9 - 0.5])
 
 
+def test_strengths_by_hand():
+    # From 0.8 on all of the way; of what a part is short of that, twice as much is not gone.
+    caution = Caution(0.8, 2)
+    said = [1.2, 0.8, 0.7, 0.55, 0.31, 0.3, -0.2]
+    assert [strength(part, caution) for part in said] == [1, 1, 0.75, 0.5, 0, 0, 0]
+
+
+@pytest.fixture(scope="module")
+def tried():
+    """What a torus's chooser has tried: the candidates of all methods, and of the learned one."""
+    V_noisy, _, F = noisy_torus()
+    chooser = Chooser(V_noisy, F, {}, None, lambda part: None)
+    candidates = {len(names): chooser.candidates(names) for names in (ALL, (FIRST,))}
+    return chooser, candidates, chooser.further()
+
+
+@pytest.fixture
+def chosen_where(tried, monkeypatch):
+    """The first choice on that torus where the best part is told to be this."""
+    chooser, candidates, further = tried
+
+    def choose(part, names=ALL):
+        monkeypatch.setattr(chooser, "candidates", lambda names: candidates[len(names)])
+        monkeypatch.setattr(chooser, "further", lambda: further)
+        monkeypatch.setattr("meshfair.denoising.choice.best_part", lambda x: part)
+        return chooser.ranked(names)[0]
+
+    return choose
+
+
 @pytest.mark.parametrize(
     ("angle", "decibels", "moves"),
     [
@@ -187,18 +227,63 @@ def test_changes_are_added_to_what_they_start_from():
     ],
 )
 def test_the_learned_filter_goes_on_for_longer_where_that_promises_more(
-    monkeypatch, angle, decibels, moves
+    chosen_where, monkeypatch, angle, decibels, moves
 ):
-    V_noisy, _, F = noisy_torus()
     told = Forecast(np.array(angle), np.array(decibels, float))
     monkeypatch.setattr("meshfair.denoising.choice.change", lambda rows: told)
-    result = meshfair.denoise(V_noisy, F, "learned", parameters="auto")
-    assert result.parameters["vertex_iterations"] == moves
-    again = meshfair.denoise(V_noisy, F, "learned", vertex_iterations=moves)
+    for names in (ALL, (FIRST,)):
+        assert chosen_where(Part(1.0, 1.0), names).parameters["vertex_iterations"] == moves
+
+
+@pytest.mark.parametrize(
+    ("names", "caution", "normals"), [(ALL, CHOSEN, 0.6), ((FIRST,), NAMED, 0.3)]
+)
+def test_where_the_best_part_is_short_of_all_a_part_is_gone(chosen_where, names, caution, normals):
+    wanted = strength(normals, caution)
+    assert 0 < wanted < 1
+    found = chosen_where(Part(normals, 0.0), names)
+    assert (found.method, found.parameters["strength"]) == (FIRST, wanted)
+    assert f", {wanted:g} of the way: beyond, detail would go" in found.reason
+    assert "strength" not in chosen_where(Part(1.1, 0.0), names).parameters
+
+
+def test_a_part_of_nothing_is_the_mesh_as_it_is(chosen_where):
+    found = chosen_where(Part(0.2, 1.0))
+    assert found.parameters["strength"] == 0
+    assert found.ratio == 1
+    assert found.reason == "left as it is: filters would take away more detail than noise"
+
+
+def test_a_part_may_be_gone_where_the_mesh_would_be_left(chosen_where, monkeypatch):
+    monkeypatch.setattr(
+        "meshfair.denoising.choice.forecast",
+        lambda X, alone=False: Forecast(np.full(len(X), -1.0), np.full(len(X), -9.0)),
+    )
+    low = strength(0.7, LEFT_ALONE)
+    assert 0 < low < 1
+    for part, wanted in ((Part(0.7, 0.9), low), (Part(0.9, 0.7), low), (Part(0.9, 0.9), None)):
+        found = chosen_where(part)
+        assert (found.method, found.parameters.get("strength")) == (FIRST, wanted)
+    monkeypatch.setattr(Chooser, "takes_relief", lambda chooser: True)
+    assert chosen_where(Part(0.7, 0.9)).ratio == 1
+
+
+@pytest.mark.parametrize(
+    ("part", "refined"),
+    [(0.3, {"strength": strength(0.3, NAMED)}), (1.0, {"vertex_iterations": 160})],
+)
+def test_the_front_does_what_is_chosen(monkeypatch, part, refined):
+    V_noisy, _, F = noisy_torus()
+    told = Forecast(np.array([-0.1, -0.2]), np.zeros(2))
+    monkeypatch.setattr("meshfair.denoising.choice.change", lambda rows: told)
+    monkeypatch.setattr("meshfair.denoising.choice.best_part", lambda x: Part(part, part))
+    result = meshfair.denoise(V_noisy, F, FIRST, parameters="auto")
+    assert result.parameters == denoising.defaults(FIRST) | refined
+    again = meshfair.denoise(V_noisy, F, FIRST, **refined)
     np.testing.assert_array_equal(result.V, again.V)
-    for given in ({"vertex_iterations": 7}, {"stages": 1}):
-        found = meshfair.denoise(V_noisy, F, "learned", parameters="auto", **given)
-        assert found.parameters["vertex_iterations"] == given.get("vertex_iterations", 20)
+    # What is given is not refined.
+    found = meshfair.denoise(V_noisy, F, FIRST, parameters="auto", **refined | {"stages": 1})
+    assert found.parameters == denoising.defaults(FIRST) | refined | {"stages": 1}
 
 
 def test_what_goes_on_for_longer_is_what_the_filter_gives_then():
@@ -216,6 +301,18 @@ def test_tuning_looks_at_what_goes_on_for_longer():
     V_noisy = noise.gaussian(V, F, 0.2, np.random.default_rng(0))
     tuned = denoising.tune(V_noisy, F, "learned", V)
     assert tuned.parameters["vertex_iterations"] == 160
+
+
+def test_tuning_looks_at_parts_of_the_way():
+    # Ripples as small as noise: all of the way takes them away with it.
+    V, F = grid(24)
+    V = V + 0.3 * mesh.mean_edge_length(V, F) * np.sin(2 * np.pi * V[:, :1] / 3.5) * [0, 0, 1]
+    V_noisy = noise.along_normals(V, F, 0.1, np.random.default_rng(0))
+    tuned = denoising.tune(V_noisy, F, FIRST, V)
+    assert 0 < tuned.parameters["strength"] < 1
+    whole = meshfair.denoise(V_noisy, F, FIRST).V
+    angles = [metrics.normal_angle(X, V, F) for X in (tuned.V, V_noisy, whole)]
+    assert angles == sorted(angles)
 
 
 def test_a_large_mesh_is_tried_in_patches():
@@ -331,6 +428,7 @@ def test_what_nothing_helps_is_left_as_it_is(monkeypatch):
         return meshfair.denoising.forecast.Forecast(np.full(len(X), 0.5), np.zeros(len(X)))
 
     monkeypatch.setattr("meshfair.denoising.choice.forecast", hopeless)
+    monkeypatch.setattr("meshfair.denoising.choice.best_part", lambda x: Part(0.5, 0.5))
     result = meshfair.denoise(V_noisy, F)
     np.testing.assert_array_equal(result.V, V_noisy)
     assert result.ratio == 1
@@ -349,6 +447,7 @@ def test_the_front_leaves_what_would_lose_decibels(monkeypatch, method, left):
         "meshfair.denoising.choice.forecast",
         lambda X, alone: Forecast(*(a[: len(X)] for a in flattened)),
     )
+    monkeypatch.setattr("meshfair.denoising.choice.best_part", lambda x: Part(1.0, 0.4))
     result = meshfair.denoise(V_noisy, F, method, parameters="auto")
     assert np.array_equal(result.V, V_noisy) == left
 

@@ -10,7 +10,7 @@ all of one family. Examples are kept in FOLDER, so that what is interrupted goes
 
 import argparse
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import product
 from multiprocessing import get_context
@@ -29,8 +29,20 @@ from meshfair import _fast, mesh, metrics, noise
 from meshfair.checks import Floats, Integers
 from meshfair.denoising import BUILT_IN
 from meshfair.denoising.choice import ALL, FIRST, Chooser
-from meshfair.denoising.forecast import LEAST_ANGLE, Forecast, Forest
-from meshfair.denoising.rules import AMONG_ALL, Results, Rule, ranking, rule_of, weighed
+from meshfair.denoising.forecast import LEAST_ANGLE, Forecast, Forest, Part
+from meshfair.denoising.registry import PARTS
+from meshfair.denoising.rules import (
+    AMONG_ALL,
+    CHOSEN,
+    LEFT_ALONE,
+    NAMED,
+    Results,
+    Rule,
+    ranking,
+    rule_of,
+    strength,
+    weighed,
+)
 
 ROOT = Path(__file__).resolve().parents[2]
 WEIGHTS = ROOT / "lib" / "meshfair" / "denoising" / "forecast.npz"
@@ -46,6 +58,11 @@ SHARP, FLOOR = 2.5, 0.3
 MODELS = 4  # so many, on other rows each, err less together than one alone
 # In each model; those of what going on for longer changes see two rows of an example only.
 TREES = {"log_ratio": 200, "gain": 120, "alone": 200, "further": 60, "further_gain": 60}
+# Those of the best part of the way: of an example they see one row, with what the others say of it.
+PART_TREES = {"part_of_normals": 120, "part_of_places": 120}
+MOST = 1.2  # of the way: a best part beyond counts as this
+RELIEF = 2.0  # how much more an example on which relief repeats counts for these; there are few
+LEAST_SQUARE = 0.3  # of what is left; smaller ones weigh the same in the fit of a parabola
 BEST, OTHERS = 14, 20  # how many candidates of an example a model sees
 OWN_BEST, OWN_OTHERS = 2, 2  # and of each method, beside its defaults, one that tells these apart
 NOISE_TRAITS = 2  # the last ones are of the noise size
@@ -96,7 +113,9 @@ def example(number: int, folder: Path) -> Path:
     chooser = Chooser(V_noisy, F, {}, actual if rng.random() < KNOWN else None, lambda part: None)
     candidates = chooser.candidates(BUILT_IN)
     V = V[chooser.vertices]
-    candidates += (further := chooser.further())
+    usual = next(c for c in candidates if c.method == FIRST and c.stop is None)
+    further, parts = chooser.further(), [chooser.part(usual, s) for s in PARTS]
+    candidates += further + parts
     tried = [chooser.V, *(c.X for c in candidates)]
     new = folder / f"{number}.new.npz"
     np.savez(
@@ -110,6 +129,7 @@ def example(number: int, folder: Path) -> Path:
         moved=chooser.moved(candidates),
         relief=chooser.takes_relief(),
         further=len(further),
+        parts=len(parts),
     )
     new.replace(path)
     return path
@@ -127,8 +147,13 @@ class Example:
             self.untouched, self.methods = file["untouched"], file["methods"]
             self.ended, self.moved, self.relief = file["ended"], file["moved"], bool(file["relief"])
             rows = np.arange(len(self.rows))
-            self.candidates, self.further = np.split(rows, [len(rows) - file["further"]])
+            ends = len(rows) - file["parts"] - np.array([file["further"], 0])
+            self.candidates, self.further, self.parts = np.split(rows, ends)
         self.before = float(before)
+        # What trees say of the rows that have not seen this example: with the noise size, where
+        # it is known, and without.
+        self.said: dict[str, Floats] = {}
+        self.said_without: dict[str, Floats] = {}
         log_ratio = np.log((self.angles + LEAST_ANGLE) / (before + LEAST_ANGLE))
         self.log_ratio = np.clip(log_ratio, *LOG_RATIOS)
         self.gain = np.clip(ratios[1:] - ratios[0], *GAINS)
@@ -147,15 +172,35 @@ class Example:
         """The rows of a method's candidates."""
         return self.candidates[self.methods[self.candidates] == method]
 
-    def lesson(self, name: str, rng: np.random.Generator) -> tuple[Integers, Floats, Floats]:
+    def lesson(self, name: str, rng: np.random.Generator) -> tuple[Floats, Floats, Floats]:
         """Rows for one model of some trees, what it shall say of them, and how much they count."""
+        if name in PART_TREES:
+            left = (
+                np.exp(2 * self.log_ratio) if name == "part_of_normals" else 10 ** (-self.gain / 10)
+            )
+            weight = RELIEF if self.relief else 1.0
+            return self.of_part(self.said, self.rows), self.best_part(left), np.array([weight])
         if name in CHANGES:
             told = self.log_ratio if name == "further" else self.gain
             change = told[self.further] - told[self.default(FIRST)]
-            return self.further, np.clip(change, *CHANGES[name]), np.ones(len(change))
+            return self.rows[self.further], np.clip(change, *CHANGES[name]), np.ones(len(change))
         rows = self.kept_alone(rng) if name == "alone" else self.kept(rng)
         weight = (self.weight_alone if name == "alone" else self.weight)[rows]
-        return rows, (self.gain if name == "gain" else self.log_ratio)[rows], weight / weight.sum()
+        told = self.gain if name == "gain" else self.log_ratio
+        return self.rows[rows], told[rows], weight / weight.sum()
+
+    def of_part(self, said: dict[str, Floats], rows: Floats) -> Floats:
+        """The row of the usual result, as `meshfair.denoising.forecast.best_part` takes it."""
+        k = self.default(FIRST)
+        return np.concatenate([rows[k], [said["log_ratio"][k], said["gain"][k]]])[None]
+
+    def best_part(self, left: Floats) -> Floats:
+        """Where the parabola through squared errors of rows, over the noisy mesh's, is least."""
+        s, left = np.array([*PARTS, 1.0]), left[[*self.parts, self.default(FIRST)]]
+        weight = 1 / np.maximum(left, LEAST_SQUARE)
+        A = np.column_stack([-2 * s, s**2]) * weight[:, None]
+        (down, up), *_ = np.linalg.lstsq(A, (left - 1) * weight)
+        return np.clip([down / max(up, 1e-6)], 0, MOST)
 
     def kept(self, rng: np.random.Generator) -> Integers:
         """Rows for one model: the best ones, some of the others, and the usual one."""
@@ -186,13 +231,27 @@ class Example:
         """The row that a rule chooses among some methods."""
         is_usual = (self.methods == usual) & self.ended
         score = ranking(expected, Results(self.untouched, is_usual, self.moved, self.relief), rule)
-        score[~np.isin(self.methods, methods)] = score[self.further] = np.inf
+        score[~np.isin(self.methods, methods)] = np.inf
+        score[self.further] = score[self.parts] = np.inf
         return int(score.argmin())
 
-    def longer(self, row: int, said: Forecast, changes: Forecast) -> int:
-        """The row that goes on for longer from a chosen one, or this."""
-        if row != self.default(FIRST):
+    def refined(self, row: int, said: Forecast, changes: Forecast, part: Part, alone: bool) -> int:
+        """The row that is taken in place of a chosen one, as by the chooser; -1: the noisy mesh."""
+        usual, left = self.default(FIRST), self.untouched[row]
+        if row != usual and (alone or not left or self.relief):
             return row
+        best, caution = part.normals, NAMED if alone else CHOSEN
+        if left:
+            best, caution = min(part), LEFT_ALONE
+        s = strength(best, caution)
+        if s == 0:
+            return -1
+        if s < 1:
+            return int(self.parts[PARTS.index(s)])
+        return usual if left else self.longer(usual, said, changes)
+
+    def longer(self, row: int, said: Forecast, changes: Forecast) -> int:
+        """The row that goes on for longer from the usual one, or this."""
         of_further = Forecast(*(by[self.further] for by in changes))
         best = weighed(said.changed(row, of_further), AMONG_ALL).argmin()
         return int([row, *self.further][best])
@@ -201,10 +260,10 @@ class Example:
 Trees = dict[str, list[HistGradientBoostingRegressor]]
 
 
-def fitted(examples: list[Example]) -> Trees:
-    """The trees of `meshfair.denoising.forecast.forests`: of each some models, whose mean it is."""
-    trees: Trees = {name: [] for name in TREES}
-    for seed, (name, count) in product(range(MODELS), TREES.items()):
+def fitted(examples: list[Example], counts: dict[str, int]) -> Trees:
+    """So many trees of `meshfair.denoising.forecast.forests`: some models, whose mean it is."""
+    trees: Trees = {name: [] for name in counts}
+    for seed, (name, count) in product(range(MODELS), counts.items()):
         model = HistGradientBoostingRegressor(
             max_iter=count,
             learning_rate=0.08,
@@ -216,42 +275,66 @@ def fitted(examples: list[Example]) -> Trees:
             random_state=seed,
         )
         rng = np.random.default_rng(seed)
-        kept, wanted, weights = zip(*(e.lesson(name, rng) for e in examples), strict=True)
-        rows = np.concatenate([e.rows[k] for e, k in zip(examples, kept, strict=True)])
-        weight = np.concatenate(weights)
-        model.fit(rows, np.concatenate(wanted), weight * len(weight) / weight.sum())
+        lessons = zip(*(e.lesson(name, rng) for e in examples), strict=True)
+        rows, wanted, weight = map(np.concatenate, lessons)
+        model.fit(rows, wanted, weight * len(weight) / weight.sum())
         trees[name].append(model)
     return trees
 
 
 def predicted(trees: Trees, rows: Floats) -> dict[str, Floats]:
     """What the trees say of rows of traits, by name."""
-    return {name: np.mean([m.predict(rows) for m in trees[name]], axis=0) for name in TREES}
+    return {
+        name: np.mean([m.predict(rows[:, : m.n_features_in_]) for m in models], axis=0)
+        for name, models in trees.items()
+    }
 
 
 def fold_of(number: int) -> int:
-    """The fold in which an example is held out, with its whole family; -1: in none."""
-    return of_family(number) % len(FAMILIES) % FOLDS if is_of_family(number) else -1
+    """The fold in which an example is held out, one of a family with its whole family."""
+    return (of_family(number) % len(FAMILIES) if is_of_family(number) else number) % FOLDS
+
+
+def folds(examples: list[Example]) -> Iterator[tuple[list[Example], list[Example]]]:
+    """The examples of each fold, and all others."""
+    for fold in range(FOLDS):
+        held_out = [e for e in examples if fold_of(e.number) == fold]
+        yield held_out, [e for e in examples if fold_of(e.number) != fold]
+
+
+def say(examples: list[Example]) -> None:
+    """Let each example know what trees say of it that were fitted without its fold."""
+    for held_out, others in folds(examples):
+        trees = fitted(others, TREES)
+        for e in held_out:
+            e.said = predicted(trees, e.rows)
+            e.said_without = predicted(trees, e.without_noise_size())
 
 
 def report_choices(examples: list[Example]) -> None:
     """Print how far choices are from the best default, on families that were held out."""
     regret: dict[str, list[float]] = {"choice": [], **{name: [] for name in BUILT_IN}}
     worse, lost, count = 0, 0, 0
-    for fold in range(FOLDS):
-        trees = fitted([e for e in examples if fold_of(e.number) != fold])
-        for e in examples:
-            if fold_of(e.number) != fold:
+    for held_out, others in folds(examples):
+        trees = fitted(others, PART_TREES)
+        for e in held_out:
+            if not is_of_family(e.number):
                 continue
-            said, angles = predicted(trees, e.without_noise_size()), e.angles + LEAST_ANGLE
+            said, rows = e.said_without, e.without_noise_size()
+            angles, gain = np.append(e.angles, e.before) + LEAST_ANGLE, np.append(e.gain, 0)
             expected, alone = (Forecast(said[n], said["gain"]) for n in ("log_ratio", "alone"))
             changes = Forecast(said["further"], said["further_gain"])
+            part = Part(*(float(p[0]) for p in predicted(trees, e.of_part(said, rows)).values()))
             best = min(angles[e.default(name)] for name in BUILT_IN)
-            row = e.longer(e.chosen(expected, ALL, AMONG_ALL, FIRST), expected, changes)
+            row = e.chosen(expected, ALL, AMONG_ALL, FIRST)
+            row = e.refined(row, expected, changes, part, alone=False)
             regret["choice"].append(angles[row] / best)
-            worse, lost = worse + (e.angles[row] > 1.01 * e.before), lost + (e.gain[row] < -0.1)
+            worse += angles[row] > 1.01 * e.before + LEAST_ANGLE
+            lost += gain[row] < -0.1
             for name in BUILT_IN:
-                own = e.longer(e.chosen(alone, [name], rule_of(name), name), alone, changes)
+                own = e.chosen(alone, [name], rule_of(name), name)
+                if name == FIRST:
+                    own = e.refined(own, alone, changes, part, alone=True)
                 regret[name].append(angles[own] / angles[e.default(name)])
             count += 1
     print(f"{count} examples of families held out; angle over the best default's, or the own:")
@@ -307,10 +390,11 @@ def main() -> None:
         numbers = range(options.examples)
         paths = list(tqdm(pool.imap_unordered(make, numbers), "examples", options.examples))
     examples = sorted(map(Example, paths), key=lambda e: e.number)
+    say(examples)
     report_choices(examples)
-    trees = fitted(examples)
+    trees = fitted(examples, TREES) | fitted(examples, PART_TREES)
     export(trees, len(examples))
-    rows = np.concatenate([e.rows[:2] for e in examples[:20]])
+    rows = np.concatenate([e.of_part(e.said, e.rows) for e in examples[:40]])
     np.savez_compressed(FIGURES, rows=rows, **predicted(trees, rows))
 
 

@@ -8,15 +8,17 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from meshfair.checks import Floats, Integers, MeshError
-from meshfair.denoising.forecast import Forecast, change, forecast
+from meshfair.denoising.forecast import Forecast, best_part, change, forecast
 from meshfair.denoising.registry import (
     BUILT_IN,
+    STRENGTH,
     Parameters,
     defaults,
     distinct,
@@ -24,7 +26,18 @@ from meshfair.denoising.registry import (
     same,
     with_noise,
 )
-from meshfair.denoising.rules import AMONG_ALL, Results, ranking, rule_of, weighed
+from meshfair.denoising.rules import (
+    AMONG_ALL,
+    CHOSEN,
+    LEFT_ALONE,
+    NAMED,
+    Caution,
+    Results,
+    ranking,
+    rule_of,
+    strength,
+    weighed,
+)
 from meshfair.denoising.traits import Traits
 from meshfair.mesh import face_shapes, mean_edge_length
 from meshfair.solve import SolveError
@@ -169,16 +182,17 @@ class Chooser:
         why_not = "nothing promises to bring it closer to the true mesh"
         if results.relief and rule.leaves_relief:
             why_not = "what filters would take away repeats, as a relief does"
-        order, noise = np.argsort(score, kind="stable"), self._noise()
-        found = [(candidates[k], float(expected.ratio[k])) for k in order]
-        if usual == FIRST and order[0] in np.flatnonzero(is_usual)[:1]:
-            found[0] = self._longer(found[0][0], expected, order[0])
+        order, first = np.argsort(score, kind="stable"), np.flatnonzero(is_usual)[:1]
+        caution = None
+        if order[0] in first:
+            caution = NAMED if len(names) == 1 else CHOSEN
+        elif untouched[order[0]] and not results.relief:
+            caution = LEFT_ALONE
         choices: list[Choice] = []
-        for c, ratio in found:
-            reason = f"{noise}; {ratio:.0%} of the error should be left"
-            if c.X is self.V:
-                ratio, reason = 1.0, f"left as it is: {why_not}"
-            choices.append(Choice(c.method, c.parameters, c.stop, ratio, reason))
+        if caution and usual == FIRST and len(first) and not set(self.chosen) - {"fixed"}:
+            choices = self._refined(candidates[first[0]], expected, first[0], caution)
+        for k in order:
+            choices.append(self._choice(candidates[k], float(expected.ratio[k]), why_not))
         return choices
 
     def candidates(self, names: Sequence[str]) -> list[Candidate]:
@@ -216,10 +230,7 @@ class Chooser:
         Returns
         -------
         list of Candidate
-            Empty where parameters are given: training has gone on from the defaults only.
         """
-        if set(self.chosen) - {"fixed"}:
-            return []
         usual, found = self._parameters(FIRST)[0], list[Candidate]()
         for name, counts in find_method(FIRST).further.items():
             # The longest passes by the others.
@@ -274,14 +285,54 @@ class Chooser:
         strong = three - two > REPEATS and one < NEIGHBOURS
         return strong or (max(two, four) < -OPPOSITE and three - (two + four) / 2 > OPPOSITE)
 
-    def _longer(self, usual: Candidate, expected: Forecast, k: int) -> tuple[Candidate, float]:
-        """The usual result, the k-th of those that are expected, or one that goes on from it."""
-        further = self.further()
-        if not further:
-            return usual, float(expected.ratio[k])
-        expected = expected.changed(k, change(self.rows(further)))
-        best = weighed(expected, AMONG_ALL).argmin()
-        return [usual, *further][best], float(expected.ratio[best])
+    def part(self, candidate: Candidate, strength: float) -> Candidate:
+        """What comes of a candidate at some strength.
+
+        Parameters
+        ----------
+        candidate : Candidate
+        strength : float
+            The part of the way to its result.
+
+        Returns
+        -------
+        Candidate
+        """
+        parameters = candidate.parameters | {STRENGTH: strength}
+        X = self.V + strength * (candidate.X - self.V) if strength else self.V
+        return candidate._replace(parameters=parameters, X=X)
+
+    def _refined(
+        self, usual: Candidate, expected: Forecast, k: int, caution: Caution
+    ) -> list[Choice]:
+        """What is better than the usual result, the k-th of those that are expected, if anything.
+
+        A part of the way to it, or, where all of the way is not in doubt, one that goes on from it.
+        """
+        parts = best_part(self.rows([usual])[0])
+        left = caution is LEFT_ALONE  # its places, or its normals, were in doubt
+        s = strength(min(parts) if left else parts.normals, caution)
+        if s < 1:
+            if s == 0 and left:
+                return []
+            part = self.part(usual, s)
+            ratio = float(forecast(self.rows([part])).ratio[0])
+            return [self._choice(part, ratio, "filters would take away more detail than noise")]
+        further = [] if left else self.further()
+        if further:
+            expected = expected.changed(k, change(self.rows(further)))
+            k = int(weighed(expected, AMONG_ALL).argmin())
+            usual = [usual, *further][k]
+        return [self._choice(usual, float(expected.ratio[k]), "")]
+
+    def _choice(self, c: Candidate, ratio: float, why_not: str) -> Choice:
+        """A candidate with what is expected of it, and, where it is the noisy mesh, why."""
+        if c.X is self.V:
+            return Choice(c.method, c.parameters, c.stop, 1.0, f"left as it is: {why_not}")
+        reason = f"{self.noise}; {ratio:.0%} of the error should be left"
+        if STRENGTH in c.parameters:
+            reason += f", {c.parameters[STRENGTH]:g} of the way: beyond, detail would go"
+        return Choice(c.method, c.parameters, c.stop, ratio, reason)
 
     def _parameters(self, name: str) -> list[Parameters]:
         """Those of a method's trials, each once: its defaults first."""
@@ -298,7 +349,7 @@ class Chooser:
     def _run(self, name: str, parameters: Parameters) -> Iterator[tuple[float, Floats]]:
         """A method on the patches."""
         method, V, F = find_method(name), self._tried, self._sample.F
-        return method.function(V, F, **method.filled_in(V, F, parameters))
+        return method.states(V, F, method.filled_in(V, F, parameters))
 
     def _results(self, name: str, parameters: Parameters) -> Iterator[Candidate]:
         """What comes of a trial; where it is the method's only one, after fewer iterations, too."""
@@ -325,8 +376,9 @@ class Chooser:
         """What the usual filter takes away along the normals, in mean edges, shape (l,)."""
         return self.traits.residual(self.traits.references[0][0])[0]
 
-    def _noise(self) -> str:
-        """What the noise looks like."""
+    @cached_property
+    def noise(self) -> str:
+        """What the noise looks like, in words."""
         along, (i, j) = self._taken(), self.traits.edges.ends.T
         size = np.sqrt(np.mean(along**2))
         kind = ""

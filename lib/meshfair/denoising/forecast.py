@@ -9,6 +9,8 @@ References
 ----------
 .. [Friedman01] J. Friedman, "Greedy function approximation: a gradient boosting machine",
    Annals of Statistics 29, 2001.
+.. [James61] W. James, C. Stein, "Estimation with quadratic loss", Proceedings of the Fourth
+   Berkeley Symposium on Mathematical Statistics and Probability 1, 1961.
 """
 
 from __future__ import annotations
@@ -83,6 +85,15 @@ class Forecast(NamedTuple):
         return Forecast(*(said[k] + np.concatenate([[0.0], by]) for said, by in both))
 
 
+class Part(NamedTuple):
+    """The parts of the way, 0 to about 1, that come closest to the truth."""
+
+    normals: float
+    """By the mean normal angle."""
+    places: float
+    """By the SNR."""
+
+
 def forecast(X: Floats, alone: bool = False) -> Forecast:
     """How much closer than the noisy mesh results are to the ground truth.
 
@@ -120,6 +131,28 @@ def change(X: Floats) -> Forecast:
     return Forecast(trees["further"](X), trees["further_gain"](X))
 
 
+def best_part(x: Floats) -> Part:
+    """How far to go towards the learned filter's result.
+
+    What a filter takes away is noise e and detail. A part s of the way leaves of a residual r
+    the squared error |e - s r|^2, a parabola in s: the least is at e'r / r'r, the share of r that
+    is noise (a shrinkage estimate [James61]_). The angle of the normals behaves alike.
+
+    Parameters
+    ----------
+    x : ndarray of float64, shape (number of traits,)
+        The traits of that filter's result, which is all of the way.
+
+    Returns
+    -------
+    Part
+    """
+    # What is expected of all of the way, by trees that have seen other filters, too, tells much.
+    X = np.concatenate([x, np.concatenate(forecast(x[None]))])[None]
+    trees = forests()
+    return Part(float(trees["part_of_normals"](X)[0]), float(trees["part_of_places"](X)[0]))
+
+
 @cache
 def forests() -> dict[str, Forest]:
     """The trees from the file that comes with the package.
@@ -128,10 +161,11 @@ def forests() -> dict[str, Forest]:
     -------
     dict of str to Forest
         log_ratio and gain, see `Forecast`; alone, for the log_ratio of one method's results;
-        further and further_gain, see `change`.
+        further and further_gain, see `change`; part_of_normals and part_of_places, see `Part`.
     """
+    names = ("log_ratio", "gain", "alone", "further", "further_gain")
     with np.load(str(files("meshfair.denoising") / "forecast.npz")) as file:
         return {
             name: Forest(*(file[f"{name}/{field}"] for field in Forest._fields))
-            for name in ("log_ratio", "gain", "alone", "further", "further_gain")
+            for name in (*names, "part_of_normals", "part_of_places")
         }

@@ -53,6 +53,38 @@ def rule_of(method: str) -> Rule:
     return Rule(found.nearer_margin, LEFT, FARTHER if found.normals else FARTHER_SMOOTHING)
 
 
+class Caution(NamedTuple):
+    """How much less is done than all where the best part of the way is told to be short of it."""
+
+    enough: float
+    """The best part from which on all of the way is gone."""
+    steep: float
+    """By how much more than what the best part is short of that the strength is short of 1: the
+    less of the way is right, the less it is known how much."""
+
+
+# By training's meshes, again. Among all methods, where the usual one is chosen; where the mesh
+# would be left as it is; and where that method is named, whose user wants it to do something.
+CHOSEN, LEFT_ALONE, NAMED = Caution(0.75, 3), Caution(0.83, 3), Caution(0.5, 2)
+
+
+def strength(part: float, caution: Caution) -> float:
+    """The part of the way that is gone, in eighths.
+
+    Parameters
+    ----------
+    part : float
+        The best one, as far as that can be told: see `meshfair.denoising.forecast.Part`.
+    caution : Caution
+
+    Returns
+    -------
+    float
+        From 0 to 1.
+    """
+    return float(np.round(8 * np.clip(1 - caution.steep * (caution.enough - part), 0, 1)) / 8)
+
+
 class Results(NamedTuple):
     """What is known of r results without a forecast."""
 

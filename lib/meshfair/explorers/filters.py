@@ -84,7 +84,7 @@ class FilterExplorer(Explorer):
                 "parameters",
                 ["default", "auto"],
                 "default",
-                "The method's own, or those whose estimated risk is smallest",
+                "The method's own, or those that promise to leave the least error",
             ),
             "size": size_slider(size),
         }
