@@ -98,7 +98,10 @@ def _grid(table: pd.DataFrame) -> dict[str, str]:
     ways = table[~table["method"].isin(["none", "auto"])].pivot(
         index=cells, columns="parameters", values="normal_angle"
     )
-    longer, decibels = _longer(table)
+    whole_way = (table["strength"] == 1) & (table["chosen"] == "learned")
+    longer, decibels = _beside_default(table, table[whole_way & (table["method"] == "auto")])
+    in_part = (table["strength"] < 1) & (table["method"] == "learned")
+    part, part_decibels = _beside_default(table, table[in_part & (table["parameters"] == "auto")])
     automatic = (ways["auto"] / ways["default"]).dropna()
     tuned = table[table["parameters"] == "tuned"]
     best = tuned.loc[tuned.groupby(["mesh", "kind", "size"])["normal_angle"].idxmin(), "method"]
@@ -137,19 +140,22 @@ def _grid(table: pd.DataFrame) -> dict[str, str]:
         "longer-ratio": f"{np.exp(np.log(longer).mean()):.2f}",
         "longer-worst": f"{longer.max():.2f}",
         "longer-gain": f"{decibels.mean():.1f}",
+        "part-cells": str((own["strength"] < 1).sum()),
+        "part-auto-cells": str(len(part)),
+        "part-auto-mesh": ", ".join(f"the {mesh}" for mesh in part.index.unique("mesh")),
+        "part-auto-ratio": f"{np.exp(np.log(part).mean()):.2f}",
+        "part-auto-worst": f"{part.max():.2f}",
+        "part-auto-gain": f"{part_decibels.mean():.1f}",
     }
 
 
-def _longer(table: pd.DataFrame) -> tuple[pd.Series, pd.Series]:
-    """Where the front's learned filter is not the default: ratio of angles, and gain in SNR."""
-    plain = table[table["parameters"] == "default"]
-    default, own = (
-        plain[plain["method"] == method].set_index(["mesh", "kind", "size"])
-        for method in ("learned", "auto")
-    )
-    own = own[own["chosen"] == "learned"]
-    ratio = own["normal_angle"] / default["normal_angle"].loc[own.index]
-    gain = own["snr"] - default["snr"].loc[own.index]
+def _beside_default(table: pd.DataFrame, rows: pd.DataFrame) -> tuple[pd.Series, pd.Series]:
+    """Of rows of the learned filter that differ from its default: ratio of angles, gain in SNR."""
+    cells = ["mesh", "kind", "size"]
+    plain = table[(table["method"] == "learned") & (table["parameters"] == "default")]
+    default, rows = plain.set_index(cells), rows.set_index(cells)
+    ratio = rows["normal_angle"] / default["normal_angle"].loc[rows.index]
+    gain = rows["snr"] - default["snr"].loc[rows.index]
     return ratio[ratio != 1], gain[ratio != 1]
 
 

@@ -163,15 +163,17 @@ def outcome(
     -------
     dict
         normal_angle (degrees), snr (decibels), vertex_distance (mean edge lengths), chosen, the
-        method that made the result, used, its parameters as JSON, and seconds.
+        method that made the result, strength, the part of the way that was gone, used, its
+        parameters as JSON, and seconds.
     """
-    X, facts = V_noisy, {"chosen": method, "used": "{}", "seconds": 0.0}
+    X, facts = V_noisy, {"chosen": method, "strength": 1.0, "used": "{}", "seconds": 0.0}
     if method != "none":
         if parameters == "tuned":
             result = denoising.tune(V_noisy, F, method, V)
         else:
             result = by_front(V_noisy, F, method, parameters)
-        X, facts = result.V, {"chosen": result.method} | account(result)
+        part = result.parameters.get("strength", 1.0)
+        X, facts = result.V, {"chosen": result.method, "strength": part} | account(result)
     return {
         "normal_angle": normal_angle(X, V, F),
         "snr": snr(V, X),
