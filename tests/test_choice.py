@@ -286,13 +286,31 @@ def test_the_front_does_what_is_chosen(monkeypatch, part, refined):
     assert found.parameters == denoising.defaults(FIRST) | refined | {"stages": 1}
 
 
-def test_what_goes_on_for_longer_is_what_the_filter_gives_then():
+@pytest.mark.parametrize("fixed", [None, np.arange(960) % 7 == 0])
+def test_what_the_longest_run_passes_by_is_what_the_filter_gives_then(fixed):
     V_noisy, _, F = noisy_torus()
-    further = Chooser(V_noisy, F, {}, None, lambda part: None).further()
-    assert [c.parameters["vertex_iterations"] for c in further] == [40, 160]
-    for c in further:
-        X = meshfair.denoise(V_noisy, F, "learned", **c.parameters).V
+    chooser = Chooser(V_noisy, F, {"fixed": fixed}, None, lambda part: None)
+    assert [c.parameters["vertex_iterations"] for c in chooser.further()] == [40, 160]
+    tried = chooser.candidates([FIRST]) + chooser.further()
+    assert len(tried) == 4
+    for c in tried:
+        X = meshfair.denoise(V_noisy, F, FIRST, **c.parameters).V
         np.testing.assert_array_equal(c.X, X)
+
+
+@pytest.mark.parametrize("subdivisions", [2, 5])
+@pytest.mark.parametrize("method", ["taubin", "sun"])
+def test_what_was_tried_is_what_would_come_of_it_again(method, subdivisions):
+    V, F = shapes.icosphere(subdivisions)  # tried whole, and in patches
+    assert (len(F) > WHOLE) == (subdivisions == 5)
+    V_noisy = noise.along_normals(V, F, 0.2, np.random.default_rng(0))
+    seen = []
+    for given in ({"callback": seen.append}, {"ground_truth": V}):
+        result = meshfair.denoise(V_noisy, F, method, parameters="auto", **given)
+        again = meshfair.denoise(V_noisy, F, method, **result.parameters)
+        np.testing.assert_array_equal(result.V, again.V)
+    assert seen == sorted(seen)
+    assert (seen[0] > 0, seen[-1]) == (True, 1)
 
 
 def test_tuning_looks_at_what_goes_on_for_longer():

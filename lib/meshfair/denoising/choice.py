@@ -6,7 +6,6 @@ the traits of what comes of it how much of the noisy mesh's error is left, and t
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 from typing import NamedTuple
@@ -39,6 +38,7 @@ from meshfair.denoising.rules import (
     weighed,
 )
 from meshfair.denoising.traits import Traits
+from meshfair.filters.learned import MOVES
 from meshfair.mesh import face_shapes, mean_edge_length
 from meshfair.solve import SolveError
 
@@ -91,6 +91,8 @@ class Choice(NamedTuple):
     method: str
     parameters: Parameters
     stop: int | None
+    X: Floats
+    """Its result on the sample."""
     ratio: float
     """The normals' error after and before."""
     reason: str
@@ -147,12 +149,13 @@ class Chooser:
         self.traits = Traits(self.V, self.F, sigma)
         self.failed: list[tuple[Parameters, SolveError]] = []
         self.tried = 0
-        self._known: list[Candidate] = []
+        self._known = list(self._passed_by())
         for number, (name, parameters) in enumerate(REFERENCES, start=1):
-            parameters = defaults(name) | parameters
-            X = self._reference(name, parameters)
-            self.traits.add_reference(X)
-            self._known.append(Candidate(name, parameters, None, X))
+            parameters = self._whole(name, parameters)
+            if not self._found(name, parameters):
+                X = self._reference(name, parameters)
+                self._known.append(Candidate(name, parameters, None, X))
+            self.traits.add_reference(self._found(name, parameters)[0].X)
             report(0.5 * number / len(REFERENCES))
 
     def ranked(self, names: Sequence[str]) -> list[Choice]:
@@ -231,15 +234,9 @@ class Chooser:
         -------
         list of Candidate
         """
-        usual, found = self._parameters(FIRST)[0], list[Candidate]()
-        for name, counts in find_method(FIRST).further.items():
-            # The longest passes by the others.
-            run = self._run(FIRST, usual | {name: max(counts)})
-            states = deque((X for _, X in run), max(counts) - min(counts) + 1)
-            for k in counts:
-                X = self._inside(states[k - max(counts) - 1])
-                found.append(Candidate(FIRST, usual | {name: k}, None, X))
-        return found
+        counts = find_method(FIRST).further.items()
+        longer = [self._whole(FIRST, {name: k}) for name, several in counts for k in several]
+        return [c for parameters in longer for c in self._found(FIRST, parameters)]
 
     def rows(self, candidates: list[Candidate]) -> Floats:
         """The traits of candidates, as `meshfair.denoising.forecast` takes them.
@@ -328,16 +325,39 @@ class Chooser:
     def _choice(self, c: Candidate, ratio: float, why_not: str) -> Choice:
         """A candidate with what is expected of it, and, where it is the noisy mesh, why."""
         if c.X is self.V:
-            return Choice(c.method, c.parameters, c.stop, 1.0, f"left as it is: {why_not}")
+            return Choice(*c, 1.0, f"left as it is: {why_not}")
         reason = f"{self.noise}; {ratio:.0%} of the error should be left"
         if STRENGTH in c.parameters:
             reason += f", {c.parameters[STRENGTH]:g} of the way: beyond, detail would go"
-        return Choice(c.method, c.parameters, c.stop, ratio, reason)
+        return Choice(*c, ratio, reason)
 
     def _parameters(self, name: str) -> list[Parameters]:
         """Those of a method's trials, each once: its defaults first."""
         given = with_noise(name, self.chosen, self.sigma)
         return distinct(defaults(name) | p | given for p in ({}, *find_method(name).candidates))
+
+    def _passed_by(self) -> Iterator[Candidate]:
+        """The usual method's results that the longest run of it passes by."""
+        ((name, counts),) = find_method(FIRST).further.items()
+        longest = self._whole(FIRST, {name: max(counts)})
+        # The vertices are moved so often in each stage, and last for longer.
+        passed = {MOVES: {"stages": 1}, 2 * MOVES: {}} | {MOVES + k: {name: k} for k in counts}
+        last, count = self._tried, 0
+        for _, X in self._run(FIRST, longest):
+            if X is not last:
+                last, count = X, count + 1
+                if count in passed:
+                    parameters = self._whole(FIRST, passed[count])
+                    yield Candidate(FIRST, parameters, None, self._inside(X))
+
+    def _whole(self, name: str, parameters: Parameters) -> Parameters:
+        """A method's parameters with its defaults, and the vertices that stay."""
+        fixed = {"fixed": self.chosen["fixed"]} if "fixed" in self.chosen else {}
+        return defaults(name) | parameters | fixed
+
+    def _found(self, name: str, parameters: Parameters) -> list[Candidate]:
+        """What is known already of these parameters: one candidate, or none."""
+        return [c for c in self._known if c.method == name and same(parameters, c.parameters)]
 
     def _reference(self, name: str, parameters: Parameters) -> Floats:
         try:
@@ -356,8 +376,7 @@ class Chooser:
         method = find_method(name)
         if method.count:
             yield Candidate(name, parameters, 0, self.V)
-        known = [c for c in self._known if c.method == name and same(parameters, c.parameters)]
-        if len(method.candidates) > 1 and known:
+        if len(method.candidates) > 1 and (known := self._found(name, parameters)):
             yield known[0]
             return
         last, count = self._tried, 0

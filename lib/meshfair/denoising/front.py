@@ -15,7 +15,7 @@ from meshfair.checks import (
     check_same_vertices,
     did_you_mean,
 )
-from meshfair.denoising.choice import ALL, Chooser
+from meshfair.denoising.choice import ALL, WHOLE, Chooser
 from meshfair.denoising.registry import (
     DEFAULT,
     STRENGTH,
@@ -31,7 +31,7 @@ from meshfair.mesh.objects import arrays, is_object, moved, takes_meshes
 from meshfair.solve import SolveError
 from meshfair.sure import noise_by_differences
 
-# The part of the progress that the choice is.
+# The part of the progress that the choice is, where its result has to be made again.
 CHOICE = 0.5
 
 Function = TypeVar("Function", bound=Callable[..., Denoised])
@@ -156,8 +156,10 @@ def _check_chosen(method: str, chosen: Parameters, sigma: float | None, auto: bo
 
 def _chosen(run: Run, names: Sequence[str], sigma: float | None) -> Denoised:
     """What comes of the best choice among some methods."""
+    # What was tried on the whole mesh is not done again, but for its history.
+    share = 1.0 if len(run.F) <= WHOLE and run.ground_truth is None else CHOICE
     try:
-        chooser = Chooser(run.V, run.F, run.chosen, sigma, lambda p: run.report(CHOICE * p))
+        chooser = Chooser(run.V, run.F, run.chosen, sigma, lambda p: run.report(share * p))
         choices = chooser.ranked(names)
     except Cancelled:
         return run.ended(names[0], iter(()))._replace(finished=False)
@@ -168,7 +170,9 @@ def _chosen(run: Run, names: Sequence[str], sigma: float | None) -> Denoised:
         parameters = method.filled_in(run.V, run.F, choice.parameters | run.fixed)
         if choice.stop is not None:
             parameters = method.stopped(parameters, choice.stop)
-        states = run.states(method, parameters, lambda p: run.report(CHOICE + (1 - CHOICE) * p))
+        states = run.states(method, parameters, lambda p: run.report(share + (1 - share) * p))
+        if share == 1:
+            states = run.known(choice.X, parameters)
         try:
             return run.ended(choice.method, states, choice.ratio, choice.reason)
         except SolveError as error:  # on the whole mesh; the next best may do

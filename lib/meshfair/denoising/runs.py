@@ -125,6 +125,11 @@ class Run:
                 last = X
             report(progress)
 
+    def known(self, V: Floats, parameters: Parameters) -> Iterator[State]:
+        """Yield the one state of a result that is known already."""
+        yield State(V, parameters)
+        self.report(1.0)
+
     def better_states(self, method: Method, trials: list[Parameters]) -> Iterator[State]:
         """Yield states of all trials, each closer to the ground truth than those before.
 
