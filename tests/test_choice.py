@@ -192,7 +192,11 @@ def test_strengths_by_hand():
     # From 0.8 on all of the way; of what a part is short of that, twice as much is not gone.
     caution = Caution(0.8, 2)
     said = [1.2, 0.8, 0.7, 0.55, 0.31, 0.3, -0.2]
-    assert [strength(part, caution) for part in said] == [1, 1, 0.75, 0.5, 0, 0, 0]
+    wanted = [1, 1, 0.75, 0.5, 0, 0, 0]
+    assert [strength(Part(part, 0.0), caution) for part in said] == wanted
+    of_both = caution._replace(of_both=True)
+    assert [strength(Part(part, 0.7), of_both) for part in said] == [0.75, 0.75, *wanted[2:]]
+    assert [strength(Part(0.7, part), of_both) for part in said] == [0.75, 0.75, *wanted[2:]]
 
 
 @pytest.fixture(scope="module")
@@ -239,7 +243,7 @@ def test_the_learned_filter_goes_on_for_longer_where_that_promises_more(
     ("names", "caution", "normals"), [(ALL, CHOSEN, 0.6), ((FIRST,), NAMED, 0.3)]
 )
 def test_where_the_best_part_is_short_of_all_a_part_is_gone(chosen_where, names, caution, normals):
-    wanted = strength(normals, caution)
+    wanted = strength(Part(normals, 0.0), caution)
     assert 0 < wanted < 1
     found = chosen_where(Part(normals, 0.0), names)
     assert (found.method, found.parameters["strength"]) == (FIRST, wanted)
@@ -259,7 +263,7 @@ def test_a_part_may_be_gone_where_the_mesh_would_be_left(chosen_where, monkeypat
         "meshfair.denoising.choice.forecast",
         lambda X, alone=False: Forecast(np.full(len(X), -1.0), np.full(len(X), -9.0)),
     )
-    low = strength(0.7, LEFT_ALONE)
+    low = strength(Part(0.7, 0.9), LEFT_ALONE)
     assert 0 < low < 1
     for part, wanted in ((Part(0.7, 0.9), low), (Part(0.9, 0.7), low), (Part(0.9, 0.9), None)):
         found = chosen_where(part)
@@ -270,7 +274,7 @@ def test_a_part_may_be_gone_where_the_mesh_would_be_left(chosen_where, monkeypat
 
 @pytest.mark.parametrize(
     ("part", "refined"),
-    [(0.3, {"strength": strength(0.3, NAMED)}), (1.0, {"vertex_iterations": 160})],
+    [(0.3, {"strength": strength(Part(0.3, 0.3), NAMED)}), (1.0, {"vertex_iterations": 160})],
 )
 def test_the_front_does_what_is_chosen(monkeypatch, part, refined):
     V_noisy, _, F = noisy_torus()

@@ -240,10 +240,7 @@ class Example:
         usual, left = self.default(FIRST), self.untouched[row]
         if row != usual and (alone or not left or self.relief):
             return row
-        best, caution = part.normals, NAMED if alone else CHOSEN
-        if left:
-            best, caution = min(part), LEFT_ALONE
-        s = strength(best, caution)
+        s = strength(part, LEFT_ALONE if left else NAMED if alone else CHOSEN)
         if s == 0:
             return -1
         if s < 1:

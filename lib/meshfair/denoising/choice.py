@@ -306,9 +306,8 @@ class Chooser:
 
         A part of the way to it, or, where all of the way is not in doubt, one that goes on from it.
         """
-        parts = best_part(self.rows([usual])[0])
-        left = caution is LEFT_ALONE  # its places, or its normals, were in doubt
-        s = strength(min(parts) if left else parts.normals, caution)
+        left = caution is LEFT_ALONE
+        s = strength(best_part(self.rows([usual])[0]), caution)
         if s < 1:
             if s == 0 and left:
                 return []

@@ -163,9 +163,16 @@ def forests() -> dict[str, Forest]:
         log_ratio and gain, see `Forecast`; alone, for the log_ratio of one method's results;
         further and further_gain, see `change`; part_of_normals and part_of_places, see `Part`.
     """
-    names = ("log_ratio", "gain", "alone", "further", "further_gain")
+    names = (
+        "log_ratio",
+        "gain",
+        "alone",
+        "further",
+        "further_gain",
+        "part_of_normals",
+        "part_of_places",
+    )
     with np.load(str(files("meshfair.denoising") / "forecast.npz")) as file:
         return {
-            name: Forest(*(file[f"{name}/{field}"] for field in Forest._fields))
-            for name in (*names, "part_of_normals", "part_of_places")
+            name: Forest(*(file[f"{name}/{field}"] for field in Forest._fields)) for name in names
         }

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from meshfair.checks import Booleans, Floats
-from meshfair.denoising.forecast import Forecast
+from meshfair.denoising.forecast import Forecast, Part
 from meshfair.denoising.registry import find_method
 
 
@@ -61,20 +61,23 @@ class Caution(NamedTuple):
     steep: float
     """By how much more than what the best part is short of that the strength is short of 1: the
     less of the way is right, the less it is known how much."""
+    of_both: bool = False
+    """Whether it has to be the best part for the places, too, and not for the normals alone."""
 
 
 # By training's meshes, again. Among all methods, where the usual one is chosen; where the mesh
-# would be left as it is; and where that method is named, whose user wants it to do something.
-CHOSEN, LEFT_ALONE, NAMED = Caution(0.75, 3), Caution(0.83, 3), Caution(0.5, 2)
+# would be left as it is, since its places, or its normals, are in doubt; and where that method is
+# named, whose user wants it to do something.
+CHOSEN, LEFT_ALONE, NAMED = Caution(0.75, 3), Caution(0.83, 3, of_both=True), Caution(0.5, 2)
 
 
-def strength(part: float, caution: Caution) -> float:
+def strength(part: Part, caution: Caution) -> float:
     """The part of the way that is gone, in eighths.
 
     Parameters
     ----------
-    part : float
-        The best one, as far as that can be told: see `meshfair.denoising.forecast.Part`.
+    part : Part
+        The best ones, as far as they can be told.
     caution : Caution
 
     Returns
@@ -82,7 +85,8 @@ def strength(part: float, caution: Caution) -> float:
     float
         From 0 to 1.
     """
-    return float(np.round(8 * np.clip(1 - caution.steep * (caution.enough - part), 0, 1)) / 8)
+    best = min(part) if caution.of_both else part.normals
+    return float(np.round(8 * np.clip(1 - caution.steep * (caution.enough - best), 0, 1)) / 8)
 
 
 class Results(NamedTuple):
