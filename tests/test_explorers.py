@@ -375,6 +375,32 @@ def test_the_filter_explorer_shows_what_denoise_makes_of_the_mesh():
     assert f"iterations = {expected.parameters['iterations']};" in explorer._note.value
 
 
+def test_the_filter_explorer_goes_a_part_of_the_way_with_any_noise():
+    explorer = explorers.FilterExplorer(MESHES, method="taubin", size=0.3, seed=2)
+    explorer.controls["noise"].value = "impulsive"
+    explorer.controls["strength"].value = 0.25
+    explorer.controls["mesh"].value = "knot"
+    explorer.wait()
+    V_noisy = noise.impulsive(V, F, 0.3, 0.1, np.random.default_rng(2))
+    X = denoising.denoise(V_noisy, F, "taubin").V
+    np.testing.assert_array_equal(explorer.view.panels[0].V, V_noisy)
+    np.testing.assert_allclose(explorer.view.panels[1].V, V_noisy + 0.25 * (X - V_noisy))
+    assert "strength = 0.25;" in explorer._note.value
+
+
+def test_the_filter_explorer_says_what_auto_chose_and_why():
+    explorer = explorers.FilterExplorer(MESHES, method="auto", size=0.0)
+    explorer.wait(120)
+    assert explorer.view.titles[1].startswith("auto, left as it is: ")
+    assert "left as it is: nothing promises" in explorer._note.value
+    explorer.controls["size"].value = 0.3
+    explorer.wait(120)
+    chosen = explorer.result.method
+    assert explorer.view.titles[1].startswith(f"auto, {chosen}: ")
+    assert explorer._note.value.startswith(f"{chosen} with ")
+    assert explorer._note.value.endswith("of the error should be left")
+
+
 def test_the_filter_explorer_points_the_camera_at_another_mesh():
     explorer = explorers.FilterExplorer(MESHES)
     explorer.wait()

@@ -14,6 +14,8 @@ PLAIN = "none"  # the colouring without values
 NAMED = {"description_width": "7.6em"}
 WIDE = {"width": "calc(100% - 8px)", "max_width": "34em"}
 
+LARGEST_SIZE = 1.2  # of noise, in mean edge lengths
+
 # How menus write the noise models' names.
 NOISES = {
     "normals": "along the normals",
@@ -116,14 +118,17 @@ def noise_choice(models: Iterable[str], value: str, tooltip: str) -> Any:
     return choice("noise", models, value, tooltip, NOISES)
 
 
-def size_slider(size: float) -> Any:
-    """The slider of the noise's size."""
+def size_slider(size: float, *, any_model: bool = False) -> Any:
+    """The slider of the noise's size, along the normals or of a model that can be chosen."""
+    name, meaning = "noise (edges)", "Standard deviation of the noise along the normals"
+    if any_model:
+        name, meaning = "size (edges)", "Standard deviation, or for uniform noise its range"
     return slider(
         widgets.FloatSlider,
-        "noise (edges)",
-        "Standard deviation of the noise along the normals, in mean edge lengths",
+        name,
+        f"{meaning}, in mean edge lengths",
         value=size,
-        ends=(0.0, 1.2),
+        ends=(0.0, LARGEST_SIZE),
         step=0.01,
     )
 

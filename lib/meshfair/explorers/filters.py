@@ -10,17 +10,19 @@ import ipywidgets as widgets
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meshfair import denoising, noise
+from meshfair import denoising
 from meshfair.checks import Floats, check_mesh
 from meshfair.explorers import worker
-from meshfair.explorers.controls import choice, size_slider
+from meshfair.explorers.controls import NOISES, choice, noise_choice, size_slider, slider
 from meshfair.explorers.curves import CurvePlot
 from meshfair.explorers.explorer import Explorer, Settings
 from meshfair.explorers.framing import Frame
+from meshfair.explorers.noises import noisy
 from meshfair.metrics import Measure, compare
 from meshfair.viewer import View, coloring
 
 Metrics = dict[str, Measure]
+NoisyMesh = tuple[str, str, float]
 
 # The colour bar has the same ends for all methods, so that their colours can be compared.
 ANGLES = (0.0, 30.0)
@@ -38,16 +40,16 @@ CELL = 'style="padding:0 0 0 1.5em;text-align:right;font-variant-numeric:tabular
 
 
 class FilterExplorer(Explorer):
-    """Every method that `meshfair.denoise` knows, on meshes to choose from.
+    """Every method that `meshfair.denoise` knows, and its own choice, on meshes to choose from.
 
     Parameters
     ----------
     meshes : dict of str to (V, F)
         Ground truths by name; the first is shown first.
     method : str
-        First method, see `meshfair.denoising.methods`.
+        First method, see `meshfair.denoising.methods`; or "auto".
     size : float
-        First size of the noise along the normals, in mean edge lengths.
+        First size of the noise, in mean edge lengths.
     seed : int
         Of the noise.
 
@@ -70,15 +72,18 @@ class FilterExplorer(Explorer):
         super().__init__()
         self._meshes = {name: check_mesh(*mesh) for name, mesh in meshes.items()}
         self._seed = seed
-        # Mesh and size of the noise: what they gave, and which are in the panels.
-        self._noisy: tuple[tuple[str, float], Floats, Metrics] | None = None
-        self._shown: tuple[str, float] | None = None
+        # Mesh, noise and its size: what they gave, and which are in the panels.
+        self._noisy: tuple[NoisyMesh, Floats, Metrics] | None = None
+        self._shown: NoisyMesh | None = None
         self.result: denoising.Denoised | None = None
         first = next(iter(self._meshes))
         self.controls = {
             "mesh": choice("mesh", self._meshes, first, "What is made noisy and denoised"),
             "method": choice(
-                "method", denoising.methods(), method, "The filter, by its name in denoise"
+                "method",
+                [denoising.DEFAULT, *denoising.methods()],
+                method,
+                "The filter, by its name in denoise; auto looks at the mesh, and chooses one",
             ),
             "parameters": choice(
                 "parameters",
@@ -86,7 +91,17 @@ class FilterExplorer(Explorer):
                 "default",
                 "The method's own, or those that promise to leave the least error",
             ),
-            "size": size_slider(size),
+            "strength": slider(
+                widgets.FloatSlider,
+                "strength",
+                "The part of the way to the filter's result: less keeps more detail, and noise; "
+                "at 1, auto may choose less",
+                value=1.0,
+                ends=(0.0, 1.0),
+                step=0.05,
+            ),
+            "noise": noise_choice(NOISES, "normals", "How the vertices are moved"),
+            "size": size_slider(size, any_model=True),
         }
         V, F = self._meshes[first]
         self.view = View(
@@ -112,7 +127,7 @@ class FilterExplorer(Explorer):
         V_noisy, before = self._start(settings)
         # Slow work shows its noisy mesh meanwhile; quick work does not flicker.
         interim = time.monotonic() + worker.DELAY
-        waiting = self._shown != (settings["mesh"], settings["size"])
+        waiting = self._shown != _noisy_mesh(settings)
 
         def go_on(done: float) -> bool | None:
             nonlocal waiting
@@ -126,6 +141,7 @@ class FilterExplorer(Explorer):
                 return False
             return None
 
+        part = {} if settings["strength"] == 1 else {"strength": settings["strength"]}
         result = denoising.denoise(
             V_noisy,
             F,
@@ -133,22 +149,26 @@ class FilterExplorer(Explorer):
             parameters=settings["parameters"],
             ground_truth=V,
             callback=go_on,
+            **part,
         )
         if not result.finished and settings != self.settings():
             raise worker.Cancelled  # by a new choice, and not by the button
         self.result = result
         after = compare(result.V, F, V, F)
-        method = settings["method"] if result.finished else f"{settings['method']}, cancelled"
-        self._show(settings, result.V, f"{method}: {_summary(after)}")
+        title = [settings["method"]]
+        if settings["method"] == denoising.DEFAULT and result.finished:
+            left = np.array_equal(result.V, V_noisy)
+            title.append("left as it is" if left else result.method)
+        title += [] if result.finished else ["cancelled"]
+        self._show(settings, result.V, f"{', '.join(title)}: {_summary(after)}")
         self._show_metrics({"noisy": before, "denoised": after}, result)
 
     def _start(self, settings: Settings) -> tuple[Floats, Metrics]:
         """The noisy mesh that the settings ask for, and its metrics."""
-        key = settings["mesh"], settings["size"]
+        key = _noisy_mesh(settings)
         if self._noisy is None or self._noisy[0] != key:
             V, F = self._meshes[settings["mesh"]]
-            rng = np.random.default_rng(self._seed)
-            V_noisy = noise.add(V, F, "normals", rng, size=settings["size"])
+            V_noisy = noisy(V, F, settings["noise"], settings["size"], self._seed)
             self._noisy = (key, V_noisy, compare(V_noisy, F, V, F))
         return self._noisy[1:]
 
@@ -163,7 +183,7 @@ class FilterExplorer(Explorer):
                 self.view.look_at(frame.V)
             else:
                 self.view.refit(frame.V)
-            self._shown = settings["mesh"], settings["size"]
+            self._shown = _noisy_mesh(settings)
             V_drawn, remark = frame.drawn(V_new)
             self.view.update(V_noisy, panel=0, F=F, title=f"noisy: {_summary(before)}")
             self.view.update(V_drawn, panel=1, F=F, title=title + remark)
@@ -188,6 +208,11 @@ class FilterExplorer(Explorer):
             plot.marker = last
 
 
+def _noisy_mesh(settings: Settings) -> NoisyMesh:
+    """The mesh, the noise and its size, which tell one noisy mesh from another."""
+    return settings["mesh"], settings["noise"], settings["size"]
+
+
 def _written(column: str, numbers: Metrics) -> str:
     """One of the metrics in words."""
     value = numbers[column].value
@@ -200,13 +225,14 @@ def _summary(numbers: Metrics) -> str:
 
 
 def _used(result: denoising.Denoised) -> str:
-    """One line on what was done: parameters, and time."""
+    """One line on what was done: parameters, time, and why, where something was chosen."""
     used = {name: value for name, value in result.parameters.items() if name != "fixed"}
     written = ", ".join(
         f"{name} = {value:.3g}" if isinstance(value, float) else f"{name} = {value}"
         for name, value in used.items()
     )
-    return f"{result.method} with {written or 'no parameters'}; {result.seconds:.2f} s"
+    done = f"{result.method} with {written or 'no parameters'}; {result.seconds:.2f} s"
+    return f"{done}; {result.reason}" if result.reason else done
 
 
 def _table(compared: dict[str, Metrics]) -> str:

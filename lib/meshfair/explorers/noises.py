@@ -7,12 +7,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from meshfair import metrics, noise
-from meshfair.checks import Floats, check_mesh
+from meshfair.checks import Floats, Integers, check_mesh
 from meshfair.explorers.controls import (
+    LARGEST_SIZE,
     NOISES,
     PLAIN,
     color_choice,
     noise_choice,
+    size_slider,
     slider,
     two_digits,
 )
@@ -22,8 +24,32 @@ from meshfair.explorers.worker import Job
 from meshfair.mesh import mean_edge_length
 from meshfair.viewer import View, coloring
 
-SIZES = np.geomspace(0.02, 1, 40)  # of the curve: the SNR is nearly straight over log(size)
+# Of the curve: the SNR is nearly straight over log(size).
+SIZES = np.geomspace(0.02, LARGEST_SIZE, 40)
 SHARE = 0.1  # of the vertices that impulsive noise moves
+
+
+def noisy(V: Floats, F: Integers, model: str, size: float, seed: int) -> Floats:
+    """A mesh with noise of a size in mean edge lengths, whatever the model's own unit.
+
+    Parameters
+    ----------
+    V : ndarray of float64, shape (n, 3)
+    F : ndarray of int64, shape (m, 3)
+    model : str
+        One of `meshfair.explorers.controls.NOISES`.
+    size : float
+    seed : int
+
+    Returns
+    -------
+    ndarray of float64, shape (n, 3)
+    """
+    rng = np.random.default_rng(seed)
+    if model == "impulsive":
+        return noise.impulsive(V, F, size, SHARE, rng)
+    unit = mean_edge_length(V, F) if model == "uniform" else 1.0
+    return noise.add(V, F, model, rng, size=size * unit)
 
 
 class NoiseExplorer(Explorer):
@@ -53,14 +79,7 @@ class NoiseExplorer(Explorer):
         ]
         self.controls = {
             "model": noise_choice(NOISES, "normals", "How the vertices are moved"),
-            "size": slider(
-                widgets.FloatSlider,
-                "size (edges)",
-                "Standard deviation, or for uniform noise its range, in mean edge lengths",
-                value=size,
-                ends=(0.0, 1.0),
-                step=0.01,
-            ),
+            "size": size_slider(size, any_model=True),
             "seed": slider(
                 widgets.IntSlider,
                 "seed",
@@ -82,20 +101,12 @@ class NoiseExplorer(Explorer):
         }
         self._begin()
 
-    def _noisy(self, model: str, size: float, seed: int) -> Floats:
-        """The mesh with noise of a size in mean edge lengths, whatever the model's own unit."""
-        V, F, rng = self._V, self._F, np.random.default_rng(seed)
-        if model == "impulsive":
-            return noise.impulsive(V, F, size, SHARE, rng)
-        unit = mean_edge_length(V, F) if model == "uniform" else 1.0
-        return noise.add(V, F, model, rng, size=size * unit)
-
     def _work(self, job: Job, settings: Settings) -> None:
         V, F = self._V, self._F
         model, seed = settings["model"], settings["seed"]
         move = np.array([settings["shift"] * self._diagonal, 0, 0])
 
-        V_noisy = self._noisy(model, settings["size"], seed)
+        V_noisy = noisy(V, F, model, settings["size"], seed)
         self.snr = metrics.snr(V + move, V_noisy + move)
         used, values = np.unique(F), None
         if settings["color"] != PLAIN:
@@ -116,5 +127,5 @@ class NoiseExplorer(Explorer):
         curve = []
         for k, size in enumerate(sizes):
             job.progress(k / len(sizes))
-            curve.append(metrics.snr(V + move, self._noisy(model, size, seed) + move))
-        self.plots[0].draw({"SNR": (sizes, curve)}, x_range=(0, 1))
+            curve.append(metrics.snr(V + move, noisy(V, F, model, size, seed) + move))
+        self.plots[0].draw({"SNR": (sizes, curve)}, x_range=(0, LARGEST_SIZE))
