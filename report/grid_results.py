@@ -101,7 +101,9 @@ def _grid(table: pd.DataFrame) -> dict[str, str]:
     whole_way = (table["strength"] == 1) & (table["chosen"] == "learned")
     longer, decibels = _beside_default(table, table[whole_way & (table["method"] == "auto")])
     in_part = (table["strength"] < 1) & (table["method"] == "learned")
-    part, part_decibels = _beside_default(table, table[in_part & (table["parameters"] == "auto")])
+    part_rows = table[in_part & (table["parameters"] == "auto")]
+    part, part_decibels = _beside_default(table, part_rows)
+    of_noisy = part_rows.set_index(noisy.index.names)["normal_angle"] / noisy["normal_angle"]
     automatic = (ways["auto"] / ways["default"]).dropna()
     tuned = table[table["parameters"] == "tuned"]
     best = tuned.loc[tuned.groupby(["mesh", "kind", "size"])["normal_angle"].idxmin(), "method"]
@@ -135,17 +137,19 @@ def _grid(table: pd.DataFrame) -> dict[str, str]:
         "auto-worst-mesh": automatic.idxmax()[0],
         "own-harm": str((harm > HARM).sum()),
         "own-harm-worst": f"{100 * (harm.max() - 1):.1f}",
-        "own-lost-worst": f"{lost.max():.1f}",
+        "own-lost-worst": f"{lost.max():.2f}",
         "longer-cells": str(len(longer)),
         "longer-ratio": f"{np.exp(np.log(longer).mean()):.2f}",
         "longer-worst": f"{longer.max():.2f}",
         "longer-gain": f"{decibels.mean():.1f}",
-        "part-cells": str((own["strength"] < 1).sum()),
+        "part-cells": str((own["strength"] < 1).sum() or "none"),
         "part-auto-cells": str(len(part)),
         "part-auto-mesh": ", ".join(f"the {mesh}" for mesh in part.index.unique("mesh")),
         "part-auto-ratio": f"{np.exp(np.log(part).mean()):.2f}",
         "part-auto-worst": f"{part.max():.2f}",
         "part-auto-gain": f"{part_decibels.mean():.1f}",
+        "part-auto-noisy-low": f"{of_noisy.min():.2f}",
+        "part-auto-noisy-high": f"{of_noisy.max():.2f}",
     }
 
 

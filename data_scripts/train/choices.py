@@ -28,9 +28,9 @@ from tqdm import tqdm
 from meshfair import _fast, mesh, metrics, noise
 from meshfair.checks import Floats, Integers
 from meshfair.denoising import BUILT_IN
-from meshfair.denoising.choice import ALL, FIRST, Chooser
+from meshfair.denoising.choice import ALL, USUAL, Chooser
 from meshfair.denoising.forecast import LEAST_ANGLE, Forecast, Forest, Part
-from meshfair.denoising.registry import PARTS
+from meshfair.denoising.registry import STRENGTHS
 from meshfair.denoising.rules import (
     AMONG_ALL,
     CHOSEN,
@@ -113,8 +113,8 @@ def example(number: int, folder: Path) -> Path:
     chooser = Chooser(V_noisy, F, {}, actual if rng.random() < KNOWN else None, lambda part: None)
     candidates = chooser.candidates(BUILT_IN)
     V = V[chooser.vertices]
-    usual = next(c for c in candidates if c.method == FIRST and c.stop is None)
-    further, parts = chooser.further(), [chooser.part(usual, s) for s in PARTS]
+    usual = next(c for c in candidates if c.method == USUAL and c.stop is None)
+    further, parts = chooser.further(), [chooser.part(usual, s) for s in STRENGTHS]
     candidates += further + parts
     tried = [chooser.V, *(c.X for c in candidates)]
     new = folder / f"{number}.new.npz"
@@ -158,7 +158,7 @@ class Example:
         self.log_ratio = np.clip(log_ratio, *LOG_RATIOS)
         self.gain = np.clip(ratios[1:] - ratios[0], *GAINS)
         self.weight, self.weight_alone = np.ones((2, len(self.rows)))
-        self.weight[self.candidates] = self._weights(self.candidates, FIRST)
+        self.weight[self.candidates] = self._weights(self.candidates, USUAL)
         for name in BUILT_IN:
             self.weight_alone[self.own(name)] = self._weights(self.own(name), name) / len(BUILT_IN)
 
@@ -182,7 +182,7 @@ class Example:
             return self.of_part(self.said, self.rows), self.best_part(left), np.array([weight])
         if name in CHANGES:
             told = self.log_ratio if name == "further" else self.gain
-            change = told[self.further] - told[self.default(FIRST)]
+            change = told[self.further] - told[self.default(USUAL)]
             return self.rows[self.further], np.clip(change, *CHANGES[name]), np.ones(len(change))
         rows = self.kept_alone(rng) if name == "alone" else self.kept(rng)
         weight = (self.weight_alone if name == "alone" else self.weight)[rows]
@@ -191,12 +191,12 @@ class Example:
 
     def of_part(self, said: dict[str, Floats], rows: Floats) -> Floats:
         """The row of the usual result, as `meshfair.denoising.forecast.best_part` takes it."""
-        k = self.default(FIRST)
+        k = self.default(USUAL)
         return np.concatenate([rows[k], [said["log_ratio"][k], said["gain"][k]]])[None]
 
     def best_part(self, left: Floats) -> Floats:
         """Where the parabola through squared errors of rows, over the noisy mesh's, is least."""
-        s, left = np.array([*PARTS, 1.0]), left[[*self.parts, self.default(FIRST)]]
+        s, left = np.array([*STRENGTHS, 1.0]), left[[*self.parts, self.default(USUAL)]]
         weight = 1 / np.maximum(left, LEAST_SQUARE)
         A = np.column_stack([-2 * s, s**2]) * weight[:, None]
         (down, up), *_ = np.linalg.lstsq(A, (left - 1) * weight)
@@ -206,7 +206,7 @@ class Example:
         """Rows for one model: the best ones, some of the others, and the usual one."""
         order = np.argsort(self.log_ratio[self.candidates], kind="stable")
         others = rng.permutation(order[BEST:])[:OTHERS]
-        return np.unique(np.concatenate([order[:BEST], others, [self.default(FIRST)]]))
+        return np.unique(np.concatenate([order[:BEST], others, [self.default(USUAL)]]))
 
     def kept_alone(self, rng: np.random.Generator) -> Integers:
         """Rows for a model that tells one method's apart: of each the best, and some others."""
@@ -237,14 +237,14 @@ class Example:
 
     def refined(self, row: int, said: Forecast, changes: Forecast, part: Part, alone: bool) -> int:
         """The row that is taken in place of a chosen one, as by the chooser; -1: the noisy mesh."""
-        usual, left = self.default(FIRST), self.untouched[row]
-        if row != usual and (alone or not left or self.relief):
+        usual, left = self.default(USUAL), self.untouched[row]
+        if row != usual and (not left or self.relief):
             return row
         s = strength(part, LEFT_ALONE if left else NAMED if alone else CHOSEN)
         if s == 0:
             return -1
         if s < 1:
-            return int(self.parts[PARTS.index(s)])
+            return int(self.parts[STRENGTHS.index(s)])
         return usual if left else self.longer(usual, said, changes)
 
     def longer(self, row: int, said: Forecast, changes: Forecast) -> int:
@@ -323,14 +323,14 @@ def report_choices(examples: list[Example]) -> None:
             changes = Forecast(said["further"], said["further_gain"])
             part = Part(*(float(p[0]) for p in predicted(trees, e.of_part(said, rows)).values()))
             best = min(angles[e.default(name)] for name in BUILT_IN)
-            row = e.chosen(expected, ALL, AMONG_ALL, FIRST)
+            row = e.chosen(expected, ALL, AMONG_ALL, USUAL)
             row = e.refined(row, expected, changes, part, alone=False)
             regret["choice"].append(angles[row] / best)
             worse += angles[row] > 1.01 * e.before + LEAST_ANGLE
             lost += gain[row] < -0.1
             for name in BUILT_IN:
                 own = e.chosen(alone, [name], rule_of(name), name)
-                if name == FIRST:
+                if name == USUAL:
                     own = e.refined(own, alone, changes, part, alone=True)
                 regret[name].append(angles[own] / angles[e.default(name)])
             count += 1
@@ -368,7 +368,7 @@ def export(trees: Trees, count: int) -> None:
     )
     record = {
         "commit": commit.stdout.strip(),
-        "seed": "each example's own number; 0 to 3 for the trees",
+        "seed": f"each example's own number; 0 to {MODELS - 1} for the trees",
         "data": f"{count} noisy procedural shapes",
         "scikit-learn": sklearn.__version__,
     }

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from meshfair.checks import Floats, Integers, MeshError
+from meshfair.checks import Booleans, Floats, Integers, MeshError
 from meshfair.denoising.forecast import Forecast, best_part, change, forecast
 from meshfair.denoising.registry import (
     BUILT_IN,
@@ -69,7 +69,9 @@ REPEATS, NEIGHBOURS = 0.12, 0.3
 # moved oppositely, by this much, and those between them more alike by as much. On 20 of 23 meshes
 # that show either, and that were made after these bounds were set, the filter does harm.
 OPPOSITE = 0.04
-FIRST = "learned"
+# Noise, in mean edges, below which there is no error of which to tell how much is left.
+HARDLY = 1e-3
+USUAL = "learned"
 """The method that is chosen where nothing speaks for another."""
 
 
@@ -120,6 +122,12 @@ class Chooser:
         Those of the sample that candidates are looked at by: its inside, see `Sample`.
     V, F
         Its positions and faces, as V and F are given.
+    traits : Traits
+        Of these.
+    failed : list of (dict, SolveError)
+        Parameters that could not be tried, and why.
+    trials : int
+        How many parameters were.
 
     Raises
     ------
@@ -139,8 +147,8 @@ class Chooser:
             raise MeshError(
                 "V, F: all edges have length 0, so that no noise can be told from shape"
             )
-        self._sample = sample(V, F)
-        self._tried = V[self._sample.vertices]
+        self._sample = sample(V, F, chosen.get("fixed"))
+        self._start = V[self._sample.vertices]
         self.vertices, self.F = self._sample.vertices[self._sample.inner], self._sample.F_inner
         self.V, self.chosen, self.report = V[self.vertices], chosen, report
         if chosen.get("fixed") is not None:
@@ -148,14 +156,10 @@ class Chooser:
         self.sigma = sigma
         self.traits = Traits(self.V, self.F, sigma)
         self.failed: list[tuple[Parameters, SolveError]] = []
-        self.tried = 0
+        self.trials = 0
         self._known = list(self._passed_by())
         for number, (name, parameters) in enumerate(REFERENCES, start=1):
-            parameters = self._whole(name, parameters)
-            if not self._found(name, parameters):
-                X = self._reference(name, parameters)
-                self._known.append(Candidate(name, parameters, None, X))
-            self.traits.add_reference(self._found(name, parameters)[0].X)
+            self.traits.add_reference(self._reference(name, self._whole(name, parameters)))
             report(0.5 * number / len(REFERENCES))
 
     def ranked(self, names: Sequence[str]) -> list[Choice]:
@@ -177,7 +181,7 @@ class Chooser:
         candidates = self.candidates(names)
         expected = forecast(self.rows(candidates), alone=len(names) == 1)
         untouched = np.array([c.X is self.V for c in candidates])
-        usual = FIRST if len(names) > 1 else names[0]
+        usual = USUAL if len(names) > 1 else names[0]
         is_usual = np.array([c.stop is None and c.method == usual for c in candidates])
         results = Results(untouched, is_usual, self.moved(candidates), self.takes_relief())
         rule = AMONG_ALL if len(names) > 1 else rule_of(usual)
@@ -192,7 +196,7 @@ class Chooser:
         elif untouched[order[0]] and not results.relief:
             caution = LEFT_ALONE
         choices: list[Choice] = []
-        if caution and usual == FIRST and len(first) and not set(self.chosen) - {"fixed"}:
+        if caution and usual == USUAL and len(first) and not set(self.chosen) - {"fixed"}:
             choices = self._refined(candidates[first[0]], expected, first[0], caution)
         for k in order:
             choices.append(self._choice(candidates[k], float(expected.ratio[k]), why_not))
@@ -215,11 +219,13 @@ class Chooser:
             None can be solved.
         """
         trials = [(name, p) for name in names for p in self._parameters(name)]
-        self.tried = len(trials)
+        self.trials = len(trials)
         candidates: list[Candidate] = []
         for number, (name, parameters) in enumerate(trials, start=1):
             try:
-                candidates += self._results(name, parameters)
+                for result in list(self._results(name, parameters)):
+                    if not _comes_again(result, candidates):
+                        candidates.append(result)
             except SolveError as error:
                 self.failed.append((parameters, error))
             self.report(0.5 + 0.5 * number / len(trials))
@@ -234,9 +240,9 @@ class Chooser:
         -------
         list of Candidate
         """
-        counts = find_method(FIRST).further.items()
-        longer = [self._whole(FIRST, {name: k}) for name, several in counts for k in several]
-        return [c for parameters in longer for c in self._found(FIRST, parameters)]
+        counts = find_method(USUAL).further.items()
+        longer = [self._whole(USUAL, {name: k}) for name, several in counts for k in several]
+        return [c for parameters in longer for c in self._found(USUAL, parameters)]
 
     def rows(self, candidates: list[Candidate]) -> Floats:
         """The traits of candidates, as `meshfair.denoising.forecast` takes them.
@@ -268,7 +274,7 @@ class Chooser:
         -------
         ndarray of float64, shape (number of candidates,)
         """
-        return np.array([np.sqrt(np.mean(self.traits.residual(c.X)[0] ** 2)) for c in candidates])
+        return np.array([_rms(self.traits.residual(c.X)[0]) for c in candidates])
 
     def takes_relief(self) -> bool:
         """Whether what the usual filter takes away repeats along the surface.
@@ -312,7 +318,8 @@ class Chooser:
             if s == 0 and left:
                 return []
             part = self.part(usual, s)
-            ratio = float(forecast(self.rows([part])).ratio[0])
+            # By the trees for one method's results: of parts, the others promise too much.
+            ratio = float(forecast(self.rows([part]), alone=True).ratio[0])
             return [self._choice(part, ratio, "filters would take away more detail than noise")]
         further = [] if left else self.further()
         if further:
@@ -325,6 +332,8 @@ class Chooser:
         """A candidate with what is expected of it, and, where it is the noisy mesh, why."""
         if c.X is self.V:
             return Choice(*c, 1.0, f"left as it is: {why_not}")
+        if _rms(self._taken()) < HARDLY:
+            return Choice(*c, ratio, f"hardly any noise: less than {HARDLY:g} edges")
         reason = f"{self.noise}; {ratio:.0%} of the error should be left"
         if STRENGTH in c.parameters:
             reason += f", {c.parameters[STRENGTH]:g} of the way: beyond, detail would go"
@@ -337,17 +346,17 @@ class Chooser:
 
     def _passed_by(self) -> Iterator[Candidate]:
         """The usual method's results that the longest run of it passes by."""
-        ((name, counts),) = find_method(FIRST).further.items()
-        longest = self._whole(FIRST, {name: max(counts)})
+        ((name, counts),) = find_method(USUAL).further.items()
+        longest = self._whole(USUAL, {name: max(counts)})
         # The vertices are moved so often in each stage, and last for longer.
         passed = {MOVES: {"stages": 1}, 2 * MOVES: {}} | {MOVES + k: {name: k} for k in counts}
-        last, count = self._tried, 0
-        for _, X in self._run(FIRST, longest):
+        last, count = self._start, 0
+        for _, X in self._run(USUAL, longest):
             if X is not last:
                 last, count = X, count + 1
                 if count in passed:
-                    parameters = self._whole(FIRST, passed[count])
-                    yield Candidate(FIRST, parameters, None, self._inside(X))
+                    parameters = self._whole(USUAL, passed[count])
+                    yield Candidate(USUAL, parameters, None, self._inside(X))
 
     def _whole(self, name: str, parameters: Parameters) -> Parameters:
         """A method's parameters with its defaults, and the vertices that stay."""
@@ -359,15 +368,19 @@ class Chooser:
         return [c for c in self._known if c.method == name and same(parameters, c.parameters)]
 
     def _reference(self, name: str, parameters: Parameters) -> Floats:
-        try:
-            *_, (_, X) = self._run(name, parameters)
-        except SolveError:  # the noisy mesh stands for what cannot be solved
-            return self.V
-        return self._inside(X)
+        """What comes of a reference; the noisy mesh stands for what cannot be solved."""
+        if not (found := self._found(name, parameters)):
+            try:
+                *_, (_, X) = self._run(name, parameters)
+            except SolveError:
+                return self.V
+            found = [Candidate(name, parameters, None, self._inside(X))]
+            self._known += found
+        return found[0].X
 
     def _run(self, name: str, parameters: Parameters) -> Iterator[tuple[float, Floats]]:
         """A method on the patches."""
-        method, V, F = find_method(name), self._tried, self._sample.F
+        method, V, F = find_method(name), self._start, self._sample.F
         return method.states(V, F, method.filled_in(V, F, parameters))
 
     def _results(self, name: str, parameters: Parameters) -> Iterator[Candidate]:
@@ -378,7 +391,7 @@ class Chooser:
         if len(method.candidates) > 1 and (known := self._found(name, parameters)):
             yield known[0]
             return
-        last, count = self._tried, 0
+        last, count = self._start, 0
         for _, X in self._run(name, parameters):
             if X is not last:
                 if len(method.candidates) == 1 and method.count and count in STEPS:
@@ -388,7 +401,7 @@ class Chooser:
 
     def _inside(self, X: Floats) -> Floats:
         """Of positions on the patches those that are looked at."""
-        return self.V if X is self._tried else X[self._sample.inner]
+        return self.V if X is self._start else X[self._sample.inner]
 
     def _taken(self) -> Floats:
         """What the usual filter takes away along the normals, in mean edges, shape (l,)."""
@@ -398,7 +411,7 @@ class Chooser:
     def noise(self) -> str:
         """What the noise looks like, in words."""
         along, (i, j) = self._taken(), self.traits.edges.ends.T
-        size = np.sqrt(np.mean(along**2))
+        size = _rms(along)
         kind = ""
         if np.mean(np.abs(along)) < SPARSE * size:
             kind = ", mostly at some vertices"
@@ -407,8 +420,19 @@ class Chooser:
         return f"noise of {size:.2g} edges{kind}"
 
 
+def _rms(x: Floats) -> float:
+    return float(np.sqrt(np.mean(x**2)))
+
+
+def _comes_again(result: Candidate, earlier: list[Candidate]) -> bool:
+    """Whether it is one on the way to another result, and the method has led there before."""
+    return result.stop is not None and any(
+        c.method == result.method and np.array_equal(c.X, result.X) for c in earlier
+    )
+
+
 class Sample(NamedTuple):
-    """Some patches of a mesh, or all of a small one."""
+    """Some patches of a mesh, or all faces of a small one."""
 
     vertices: Integers
     """Which ones of the mesh's, shape (k,)."""
@@ -420,24 +444,30 @@ class Sample(NamedTuple):
     """The faces inside, by positions in ``inner``; shape (p, 3)."""
 
 
-def sample(V: Floats, F: Integers) -> Sample:
-    """A mesh's vertices and faces, or those of some patches of a large one.
+def sample(V: Floats, F: Integers, fixed: Booleans | None = None) -> Sample:
+    """A small mesh without vertices that have no face, or some patches of a large one.
 
     Parameters
     ----------
     V : ndarray of float64, shape (n, 3)
     F : ndarray of int64, shape (m, 3)
+    fixed : ndarray of bool, shape (n,), optional
+        Vertices that stay: patches are round faces with others, if there are any.
 
     Returns
     -------
     Sample
     """
     if len(F) <= WHOLE:
-        return Sample(np.arange(len(V)), F, np.arange(len(V)), F)
+        vertices, small = np.unique(F, return_inverse=True)
+        everything = np.arange(len(vertices))
+        return Sample(vertices, small.reshape(-1, 3), everything, small.reshape(-1, 3))
     C = face_shapes(V, F)[2]
     axis = np.linalg.svd(np.cov(C.T))[0][:, 0]  # along which the mesh is longest
     order = np.argsort(C @ axis, kind="stable")
-    centres = C[order[(2 * np.arange(PATCHES) + 1) * len(F) // (2 * PATCHES)]]
+    if fixed is not None and len(free := order[~fixed[F[order]].all(axis=1)]):
+        order = free
+    centres = C[order[(2 * np.arange(PATCHES) + 1) * len(order) // (2 * PATCHES)]]
     near = cKDTree(C).query(centres, PATCH)[1]  # the nearest first
     vertices, small = np.unique(F[np.unique(near)], return_inverse=True)
     within, small_within = np.unique(F[np.unique(near[:, :INNER])], return_inverse=True)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from functools import wraps
 from typing import Any, TypeVar, cast
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from meshfair.checks import (
@@ -105,6 +106,8 @@ def denoise(
         No mesh; no such method or parameter (the message lists those there
         are), or parameters without a method; a parameter outside its range; ``sigma``
         for a method that does not use it; a callback that is no function.
+    SolveError
+        A linear system of an implicit method that cannot be solved; with "auto", all of them.
 
     Warns
     -----
@@ -156,6 +159,11 @@ def _check_chosen(method: str, chosen: Parameters, sigma: float | None, auto: bo
 
 def _chosen(run: Run, names: Sequence[str], sigma: float | None) -> Denoised:
     """What comes of the best choice among some methods."""
+    if run.fixed and np.all(run.fixed["fixed"]):  # there is nothing to look at
+        only = find_method(names[0])
+        parameters = only.filled_in(run.V, run.F, defaults(names[0]) | run.chosen)
+        states = run.states(only, parameters, run.report)
+        return run.ended(names[0], states, 1.0, "left as it is: all of its vertices are fixed")
     # What was tried on the whole mesh is not done again, but for its history.
     share = 1.0 if len(run.F) <= WHOLE and run.ground_truth is None else CHOICE
     try:
@@ -164,7 +172,7 @@ def _chosen(run: Run, names: Sequence[str], sigma: float | None) -> Denoised:
     except Cancelled:
         return run.ended(names[0], iter(()))._replace(finished=False)
     if len(names) == 1:
-        warn_of_failed(chooser.failed, chooser.tried)
+        warn_of_failed(chooser.failed, chooser.trials)
     for choice in choices:
         method = find_method(choice.method)
         parameters = method.filled_in(run.V, run.F, choice.parameters | run.fixed)
@@ -172,7 +180,9 @@ def _chosen(run: Run, names: Sequence[str], sigma: float | None) -> Denoised:
             parameters = method.stopped(parameters, choice.stop)
         states = run.states(method, parameters, lambda p: run.report(share + (1 - share) * p))
         if share == 1:
-            states = run.known(choice.X, parameters)
+            X = run.V.copy()
+            X[chooser.vertices] = choice.X
+            states = run.known(X, parameters)
         try:
             return run.ended(choice.method, states, choice.ratio, choice.reason)
         except SolveError as error:  # on the whole mesh; the next best may do
@@ -209,7 +219,12 @@ def tune(
 
     Raises
     ------
-    MeshError, ValueError
+    MeshError, ValueError, TypeError, SolveError
+        As `denoise`.
+
+    Warns
+    -----
+    MeshWarning
         As `denoise`.
     """
     V, F = check_mesh(V, F)

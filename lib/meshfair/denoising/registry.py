@@ -19,7 +19,7 @@ States = Iterator[tuple[float, Floats]]
 
 STRENGTH = "strength"
 """A parameter of all methods, beside those of the filter: see `meshfair.denoising.denoise`."""
-PARTS = tuple(k / 8 for k in range(1, 8))
+STRENGTHS = tuple(k / 8 for k in range(1, 8))
 """Strengths below 1 among which to choose."""
 
 
@@ -54,7 +54,7 @@ class Method:
     def refinements(self) -> list[Parameters]:
         """What may be chosen in place of a default once the defaults are chosen."""
         longer = [{name: count} for name, counts in self.further.items() for count in counts]
-        return longer + [{STRENGTH: part} for part in PARTS] if self.further else []
+        return longer + [{STRENGTH: part} for part in STRENGTHS] if self.further else []
 
     def states(self, V: Floats, F: Integers, parameters: Parameters) -> States:
         """Yield what the filter yields, with the vertices a part of the way there.
@@ -112,13 +112,13 @@ def _grid(**values: Sequence[Any]) -> list[Parameters]:
 _SURE = 0.06
 
 # Candidates are spread so widely that the best lies among them, on smooth and on sharp meshes.
-_STRENGTHS = (0.0, 0.0625, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
+_STEPS = (0.0, 0.0625, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 
 _METHODS: dict[str, Method] = {
     "averaging": Method(filters.averaging, [{"iterations": 30}], "iterations", normals=False),
     "heat": Method(filters.heat, [{"time": 20.0}], _heat_until, normals=False),
-    "implicit": Method(filters.implicit, _grid(step=_STRENGTHS), normals=False),
-    "regularised": Method(filters.regularised, _grid(order=(1, 2), lam=_STRENGTHS), normals=False),
+    "implicit": Method(filters.implicit, _grid(step=_STEPS), normals=False),
+    "regularised": Method(filters.regularised, _grid(order=(1, 2), lam=_STEPS), normals=False),
     "taubin": Method(filters.taubin, [{"iterations": 60}], "iterations", normals=False),
     "bilateral": Method(filters.bilateral, [{"iterations": 20}], "iterations"),
     "sun": Method(
@@ -178,7 +178,8 @@ def register(
     Parameters
     ----------
     name : str
-        A name in use is taken over; "auto" chooses among methods, and is none.
+        A name in use is taken over, but not "auto", nor one that comes with the package: among
+        these "auto" chooses, by what it has learned of them.
     candidates : sequence of dict
         Parameters among which ``parameters="auto"`` chooses.
     count : str or function, optional
@@ -204,10 +205,16 @@ def register(
     Raises
     ------
     ValueError
-        The name is "auto"; the filter has a parameter ``strength``, which is that of all methods.
+        The name is "auto" or one that comes with the package; the filter has a parameter
+        ``strength``, which is that of all methods.
     """
     if name == DEFAULT:
         raise ValueError(f"name is {name!r}, which chooses among all methods; give another one")
+    if name in BUILT_IN:
+        raise ValueError(
+            f"name is {name!r}, which comes with the package, and {DEFAULT!r} chooses by what it "
+            "has learned of that; give another one"
+        )
 
     def add(function: Callable[..., States]) -> Callable[..., States]:
         if STRENGTH in inspect.signature(function).parameters:

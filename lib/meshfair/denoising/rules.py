@@ -47,7 +47,16 @@ LEFT, FARTHER, FARTHER_SMOOTHING = 0.4, 0.3, 0.55
 
 
 def rule_of(method: str) -> Rule:
-    """The rule by which one method's parameters are chosen."""
+    """The rule by which one method's parameters are chosen.
+
+    Parameters
+    ----------
+    method : str
+
+    Returns
+    -------
+    Rule
+    """
     # Who names averaging wants it, though it shrinks: an SNR that falls is no reason against it.
     found = find_method(method)
     return Rule(found.nearer_margin, LEFT, FARTHER if found.normals else FARTHER_SMOOTHING)

@@ -171,6 +171,11 @@ class Traits:
         Parameters
         ----------
         X : ndarray of float64, shape (n, 3)
+
+        Returns
+        -------
+        along : ndarray of float64, shape (n,)
+        across : ndarray of float64, shape (n, 3)
         """
         N, area, _ = face_shapes(X, self.F)
         n, moved = self._vertex_normals(N, area), (self.V - X) / self.length
