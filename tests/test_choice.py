@@ -614,8 +614,19 @@ def test_patches_lie_where_vertices_are_free():
 
 
 def test_where_there_is_no_noise_no_error_is_said_to_be_left():
-    triangle = np.eye(3), np.array([[0, 1, 2]])
-    assert meshfair.denoise(*triangle).reason == "hardly any noise: less than 0.001 edges"
+    V, F = np.eye(3), np.array([[0, 1, 2]])
+    for method in ("auto", "l0"):
+        result = meshfair.denoise(V, F, method, parameters="auto")
+        assert result.reason == "left as it is: hardly any noise, less than 0.001 edges"
+        assert result.ratio == 1
+        np.testing.assert_array_equal(result.V, V)
+
+
+def test_candidates_do_not_warn_of_patches(recwarn):
+    V_noisy, _, F = noisy_torus()
+    V_noisy[F[5, 0]] = V_noisy[F[5, 1]]  # two faces without area
+    meshfair.denoise(V_noisy, F, "regularised", parameters="auto")
+    assert [str(w.message) for w in recwarn if w.category is meshfair.MeshWarning] == []
 
 
 def test_no_result_is_looked_at_twice():

@@ -9,6 +9,7 @@ import re
 import signal
 import subprocess
 import sys
+import tomllib
 from io import BytesIO
 from pathlib import Path
 
@@ -552,6 +553,13 @@ def test_many_meshes_go_on_where_one_fails(run, scans, tmp_path):
     assert f"{scans[1]}: failed: " in text
     assert "bytes are left" in " ".join(text.split())
     assert lines[-1] == f"2 of 3 meshes written to {out}; 1 failed"
+
+
+def test_the_table_says_what_was_left_as_it_is(run, tmp_path):
+    io.write(tmp_path / "clean.ply", *shapes.box(segments=4))
+    code, text, _ = run("denoise", tmp_path / "clean.ply", "--out", tmp_path / "out")
+    assert code == 0
+    assert text.splitlines()[1].split()[2:-1] == ["left", "as", "it", "is"]
 
 
 def test_many_meshes_as_json_and_none_written_over(run, scans, tmp_path):
@@ -1163,6 +1171,17 @@ def test_help_of_each_command(command, capsys, monkeypatch):
     out = capsys.readouterr().out
     assert f"usage: meshfair {command}" in out
     assert max(map(len, out.splitlines())) <= 80
+
+
+@pytest.mark.parametrize("columns", ["60", "200"])
+def test_the_grid_in_the_help_can_be_copied(capsys, monkeypatch, columns):
+    monkeypatch.setenv("COLUMNS", columns)
+    with pytest.raises(SystemExit):
+        cli.main(["sweep", "--help"])
+    lines = capsys.readouterr().out.splitlines()
+    grid = tomllib.loads("\n".join(x for x in lines if re.match(r" {4}\w+ = ", x)))
+    assert grid["seed"] == {"from": 0, "to": 199}
+    assert grid["experiment"] == "stopping"
 
 
 @pytest.mark.parametrize("command", ["noise", "denoise", "compare"])

@@ -141,13 +141,18 @@ def test_a_filter_of_ones_own(noisy_box, monkeypatch):
 @pytest.mark.parametrize(
     ("arguments", "wrong"),
     [
-        ({"method": "laplace"}, "no method is called 'laplace'; there are averaging, heat, "),
+        ({"method": "laplace"}, "no method is called 'laplace'; there are auto, averaging, heat, "),
         ({"method": "sun", "sigma_normal": 1}, "sun has no parameter 'sigma_normal'; it has thr"),
         ({"parameters": "best"}, "parameters is 'best'; give one of default, auto"),
         ({"method": "taubin", "iterations": -1}, "iterations is -1"),
         ({"parameters": "auto", "sigma": -1.0}, "sigma"),
         ({"method": "feature-convinced", "sigma": np.nan}, "sigma is nan"),
         ({"method": "tauben"}, r"learned \(did you mean 'taubin'\?\)$"),
+        ({"method": "atuo"}, r"there are auto, averaging, .* \(did you mean 'auto'\?\)$"),
+        ({"method": ["sun"]}, r"no method is called \['sun'\]; there are auto, "),
+        ({"strenght": 0.5}, r"name the method, too \(did you mean 'strength'\?\)$"),
+        ({"method": "sun", "fixed": [[1, 2]]}, r"fixed has shape \(1, 2\); give a boolean mask or"),
+        ({"method": "implicit", "step": 1e300}, r"No face is flat: step=1e\+300 is too large$"),
         ({"method": "sun", "treshold": 1}, r"strength \(did you mean 'threshold'\?\)$"),
         ({"method": "heat", "weights": "Cotan"}, r"cotangent \(did you mean 'cotangent'\?\)$"),
         ({"method": "taubin", "sigma": 0.2}, "taubin with default parameters does not use it"),
@@ -155,8 +160,16 @@ def test_a_filter_of_ones_own(noisy_box, monkeypatch):
 )
 def test_wrong_arguments_are_named(noisy_box, arguments, wrong):
     V, _, F = noisy_box
-    with pytest.raises(ValueError, match=wrong):
+    with pytest.raises((ValueError, solve.SolveError), match=wrong):
         meshfair.denoise(V, F, **arguments)
+
+
+@pytest.mark.parametrize("nothing", ["scan.ply", None, shapes])
+def test_what_is_no_mesh_is_named(nothing):
+    with pytest.raises(
+        TypeError, match=r"^V is a \w+, and F is missing; give positions V and faces"
+    ):
+        meshfair.denoise(nothing)
 
 
 @pytest.mark.parametrize("callback", [3, "progress", [print]])
@@ -229,6 +242,27 @@ def test_a_given_strength_holds_for_whatever_is_chosen(noisy_box, method, parame
     np.testing.assert_allclose(result.V, (V + whole) / 2, atol=1e-12)
 
 
+@pytest.mark.parametrize("truth", [False, True])
+@pytest.mark.parametrize("method", ["auto", "averaging", "implicit", "learned"])
+def test_a_given_strength_does_not_change_what_is_chosen(noisy_box, method, truth):
+    V, clean, F = noisy_box
+    options = {"parameters": "auto", "ground_truth": clean if truth else None}
+    free = meshfair.denoise(V, F, method, **options)
+    assert np.abs(free.V - V).max() > 0
+    for strength in (0.0, 0.5, 1.0, "0.5", np.float32(0.25)):
+        result = meshfair.denoise(V, F, method, strength=strength, **options)
+        s = result.parameters["strength"]
+        assert (type(s), s) == (float, float(strength))
+        assert (result.method, result.parameters) == (
+            free.method,
+            free.parameters | {"strength": s},
+        )
+        np.testing.assert_allclose(result.V, V + s * (free.V - V), atol=1e-12)
+        assert "beyond" not in result.reason
+        if s == 0:
+            assert (result.ratio, result.reason) == (1, "left as it is: the strength is 0")
+
+
 @pytest.mark.parametrize("strength", [-0.1, 1.5, np.nan, "half", None])
 def test_a_strength_beyond_the_way_is_refused(noisy_box, strength):
     V, _, F = noisy_box
@@ -242,6 +276,102 @@ def test_a_filter_with_a_strength_of_its_own_is_refused():
         @denoising.register("own")
         def own(V, F, *, strength=3):
             yield 1.0, V
+
+
+def own_filter(name, **options):
+    """A decorator that registers a filter whose results are those of averaging."""
+    return denoising.register(name, candidates=[{"iterations": 6}], count="iterations", **options)
+
+
+def test_a_filter_of_ones_own_may_move_vertices_in_place(noisy_box, monkeypatch):
+    V, clean, F = noisy_box
+    monkeypatch.setattr(registry, "_METHODS", dict(registry._METHODS))
+    A = operators.averaging(weights.combinatorial(F, len(V)))
+    before, faces = V.copy(), F.copy()
+
+    @own_filter("in place")
+    def in_place(V, F, *, iterations=3):
+        F += 1  # its own copy
+        for k in range(iterations):
+            V[:] = A @ V
+            yield (k + 1) / iterations, V
+
+    @own_filter("listed")
+    def listed(V, F, *, iterations=3):
+        for k in range(iterations):
+            V = A @ V
+            yield (k + 1) / iterations, V.astype(np.float32).tolist()
+
+    for name, tolerance in (("in place", 1e-14), ("listed", 1e-6)):
+        by_name = meshfair.denoise(V, F, name, ground_truth=clean)
+        np.testing.assert_allclose(by_name.V, A @ (A @ (A @ V)), atol=tolerance)
+        assert (by_name.V.dtype, len(by_name.history)) == (np.float64, 4)
+        half = meshfair.denoise(V, F, name, strength=0.5).V
+        np.testing.assert_allclose(half, (V + by_name.V) / 2, atol=1e-14)
+        best = denoising.tune(V, F, name, clean)
+        again = meshfair.denoise(V, F, name, **best.parameters)
+        np.testing.assert_array_equal(again.V, best.V)
+    np.testing.assert_array_equal(V, before)
+    np.testing.assert_array_equal(F, faces)
+
+
+@pytest.mark.parametrize(
+    ("result", "wrong"),
+    [
+        (lambda V: V, "own returned a ndarray; it has to yield progress, from 0 to 1, and posit"),
+        (lambda V: iter([V]), "own yielded a ndarray; it has to yield progress"),
+        (
+            lambda V: iter([(1.0, V[:2])]),
+            r"own yielded positions of shape \(2, 3\); \(\d+, 3\) was",
+        ),
+        (
+            lambda V: iter([(1.0, V * np.nan)]),
+            "own yielded .* for vertex 0; positions have to be f",
+        ),
+        (lambda V: iter([(1.0, "V")]), "own yielded positions that are no numbers; it has to"),
+    ],
+)
+def test_what_a_filter_of_ones_own_yields_is_looked_at(noisy_box, monkeypatch, result, wrong):
+    V, _, F = noisy_box
+    monkeypatch.setattr(registry, "_METHODS", dict(registry._METHODS))
+    denoising.register("own")(lambda V, F: result(V))
+    with pytest.raises(ValueError, match=f"^{wrong}"):
+        meshfair.denoise(V, F, "own")
+
+
+@pytest.mark.parametrize(
+    ("function", "options", "wrong"),
+    [
+        (lambda X, F: (), {}, "own: its first arguments are not V and F; a filter is written def"),
+        (lambda V, F, *, k: (), {}, "own: its parameter k has no default; a filter is written"),
+        (lambda V, F, **more: (), {}, r"own: \*\*more stands for any parameters; name each; a f"),
+        (lambda V, F, *, k=1: (), {"candidates": []}, "own: candidates is empty; give a dict for"),
+        (lambda V, F, *, k=1: (), {"candidates": [{"kk": 2}]}, "own has no parameter 'kk'; it has"),
+        (lambda V, F, *, k=1: (), {"count": "K"}, r"own has no .* \(did you mean 'k'\?\)"),
+        (lambda V, F: (), {"noise": "sigma"}, "own has no parameter 'sigma'; it has none"),
+    ],
+)
+def test_a_filter_that_could_not_be_called_is_refused(function, options, wrong):
+    with pytest.raises(ValueError, match=f"^{wrong}"):
+        denoising.register("own", **options)(function)
+    assert "own" not in denoising.methods()
+
+
+@pytest.mark.parametrize("method", ["averaging", "heat", "sun", "auto"])
+@pytest.mark.parametrize("no", [False, np.False_])
+def test_a_cancelled_result_comes_again(noisy_box, method, no):
+    V, _, F = noisy_box
+    asked = []
+
+    def twice(progress):
+        asked.append(progress)
+        return no if len(asked) == 2 else None
+
+    result = meshfair.denoise(V, F, method, callback=twice)
+    assert not result.finished
+    assert len(asked) == 2  # and it is not asked again
+    again = meshfair.denoise(V, F, result.method, **result.parameters)
+    np.testing.assert_array_equal(again.V, result.V)
 
 
 def far_vertex():

@@ -596,8 +596,12 @@ def check_fixed(fixed: ArrayLike | None, n: int) -> Booleans:
         return fixed.copy()
     if fixed.size == 0:
         return mask
-    if fixed.dtype.kind not in "iu" or fixed.ndim != 1:
+    if fixed.dtype.kind not in "iu":
         raise MeshError(f"fixed is of type {fixed.dtype}; give a boolean mask or vertex indices")
+    if fixed.ndim != 1:
+        raise MeshError(
+            f"fixed has shape {fixed.shape}; give a boolean mask or vertex indices in one row"
+        )
     if fixed.min() < 0 or fixed.max() >= n:
         bad = fixed[(fixed < 0) | (fixed >= n)][0]
         raise MeshError(f"fixed has vertex index {bad}, but there are {n} vertices (0 to {n - 1})")

@@ -79,6 +79,11 @@ def _modules() -> dict[str, ModuleType]:
     return modules | {entry.name: entry.load() for entry in entry_points(group=GROUP)}
 
 
+def _laid_out(paragraph: str) -> str:
+    """A paragraph in lines of the terminal's width; what is indented, to be copied, as it is."""
+    return paragraph if paragraph.startswith(" ") else printing.wrapped(" ".join(paragraph.split()))
+
+
 def _parse(
     arguments: Sequence[str] | None,
 ) -> tuple[argparse.Namespace, Callable[[argparse.Namespace], int]]:
@@ -92,7 +97,7 @@ def _parse(
         subparser = subparsers.add_parser(
             name,
             help=paragraphs[0],
-            description="\n\n".join(printing.wrapped(" ".join(p.split())) for p in paragraphs),
+            description="\n\n".join(map(_laid_out, paragraphs)),
         )
         module.add_arguments(subparser)
         messages = Messages(f"meshfair {name}", subparser.option_of)

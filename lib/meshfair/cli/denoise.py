@@ -197,14 +197,14 @@ class _Task:
 
     def told(self, facts: dict[str, Any]) -> str:
         """What was done, in a few words."""
+        if (facts["reason"] or "").startswith("left as it is"):
+            return "left as it is"
         defaults = parameters.known(facts["method"])
         chosen = [
             f"{name}={printing.shortened(value, 3)}"
             for name, value in facts["parameters"].items()
             if value != defaults.get(name)  # the strength has none
         ]
-        if self.options.method == parameters.DEFAULT_METHOD:
-            chosen.insert(0, facts["method"])
         closer = [gain for _, gain in gains(facts["history"], 3)]
         return ", ".join([*chosen, *closer]) or f"{facts['vertices']:,} vertices"
 

@@ -71,6 +71,7 @@ REPEATS, NEIGHBOURS = 0.12, 0.3
 OPPOSITE = 0.04
 # Noise, in mean edges, below which there is no error of which to tell how much is left.
 HARDLY = 1e-3
+HARDLY_ANY = f"hardly any noise, less than {HARDLY:g} edges"
 USUAL = "learned"
 """The method that is chosen where nothing speaks for another."""
 
@@ -110,7 +111,8 @@ class Chooser:
         Noisy positions.
     F : ndarray of int64, shape (m, 3)
     chosen : dict
-        Parameters that are given, for all candidates; ``fixed`` as a mask.
+        Parameters that are given, for all candidates; ``fixed`` as a mask. A given
+        ``strength`` plays no part in the choice: what is chosen is done by so much.
     sigma : float, optional
         The known noise size.
     report : function
@@ -150,9 +152,11 @@ class Chooser:
         self._sample = sample(V, F, chosen.get("fixed"))
         self._start = V[self._sample.vertices]
         self.vertices, self.F = self._sample.vertices[self._sample.inner], self._sample.F_inner
-        self.V, self.chosen, self.report = V[self.vertices], chosen, report
+        self.V, self.report = V[self.vertices], report
+        self.chosen = {name: value for name, value in chosen.items() if name != STRENGTH}
+        self.strength: float | None = chosen.get(STRENGTH)
         if chosen.get("fixed") is not None:
-            self.chosen = chosen | {"fixed": chosen["fixed"][self._sample.vertices]}
+            self.chosen |= {"fixed": chosen["fixed"][self._sample.vertices]}
         self.sigma = sigma
         self.traits = Traits(self.V, self.F, sigma)
         self.failed: list[tuple[Parameters, SolveError]] = []
@@ -190,6 +194,9 @@ class Chooser:
         if results.relief and rule.leaves_relief:
             why_not = "what filters would take away repeats, as a relief does"
         order, first = np.argsort(score, kind="stable"), np.flatnonzero(is_usual)[:1]
+        if self._is_whole and _rms(self._taken()) < HARDLY:
+            k = int(first[0]) if len(first) else 0
+            return [self._choice(self.part(candidates[k], 0.0), 1.0, HARDLY_ANY)]
         caution = None
         if order[0] in first:
             caution = NAMED if len(names) == 1 else CHOSEN
@@ -200,7 +207,7 @@ class Chooser:
             choices = self._refined(candidates[first[0]], expected, first[0], caution)
         for k in order:
             choices.append(self._choice(candidates[k], float(expected.ratio[k]), why_not))
-        return choices
+        return choices if self.strength is None else self._by_so_much(choices, self.strength)
 
     def candidates(self, names: Sequence[str]) -> list[Candidate]:
         """Try all candidates of some methods.
@@ -302,7 +309,9 @@ class Chooser:
         Candidate
         """
         parameters = candidate.parameters | {STRENGTH: strength}
-        X = self.V + strength * (candidate.X - self.V) if strength else self.V
+        X = candidate.X if strength == 1 else self.V
+        if 0 < strength < 1 and candidate.X is not self.V:
+            X = self.V + strength * (candidate.X - self.V)
         return candidate._replace(parameters=parameters, X=X)
 
     def _refined(
@@ -313,7 +322,7 @@ class Chooser:
         A part of the way to it, or, where all of the way is not in doubt, one that goes on from it.
         """
         left = caution is LEFT_ALONE
-        s = strength(best_part(self.rows([usual])[0]), caution)
+        s = strength(best_part(self.rows([usual])[0]), caution) if self.strength is None else 1.0
         if s < 1:
             if s == 0 and left:
                 return []
@@ -328,12 +337,29 @@ class Chooser:
             usual = [usual, *further][k]
         return [self._choice(usual, float(expected.ratio[k]), "")]
 
+    def _by_so_much(self, choices: list[Choice], strength: float) -> list[Choice]:
+        """The choices, each a given part of the way to its result."""
+        parts = [self.part(Candidate(*c[:4]), strength) for c in choices]
+        if strength == 1:
+            ratios = [c.ratio for c in choices]
+        else:
+            ratios = list(forecast(self.rows(parts), alone=True).ratio)
+        found = []
+        for c, part, ratio in zip(choices, parts, ratios, strict=True):
+            why_not = c.reason if c.X is self.V else "left as it is: the strength is 0"
+            if part.X is self.V:
+                found.append(Choice(*part, 1.0, why_not))
+            else:
+                left = f"{self.noise}; {ratio:.0%} of the error should be left"
+                found.append(Choice(*part, float(ratio), f"{left}, {strength:g} of the way"))
+        return found
+
     def _choice(self, c: Candidate, ratio: float, why_not: str) -> Choice:
         """A candidate with what is expected of it, and, where it is the noisy mesh, why."""
         if c.X is self.V:
             return Choice(*c, 1.0, f"left as it is: {why_not}")
         if _rms(self._taken()) < HARDLY:
-            return Choice(*c, ratio, f"hardly any noise: less than {HARDLY:g} edges")
+            return Choice(*c, ratio, HARDLY_ANY)
         reason = f"{self.noise}; {ratio:.0%} of the error should be left"
         if STRENGTH in c.parameters:
             reason += f", {c.parameters[STRENGTH]:g} of the way: beyond, detail would go"
@@ -407,6 +433,11 @@ class Chooser:
         """What the usual filter takes away along the normals, in mean edges, shape (l,)."""
         return self.traits.residual(self.traits.references[0][0])[0]
 
+    @property
+    def _is_whole(self) -> bool:
+        """Whether it is all of the mesh's faces that are looked at."""
+        return self._sample.F is self._sample.F_inner
+
     @cached_property
     def noise(self) -> str:
         """What the noise looks like, in words."""
@@ -460,8 +491,8 @@ def sample(V: Floats, F: Integers, fixed: Booleans | None = None) -> Sample:
     """
     if len(F) <= WHOLE:
         vertices, small = np.unique(F, return_inverse=True)
-        everything = np.arange(len(vertices))
-        return Sample(vertices, small.reshape(-1, 3), everything, small.reshape(-1, 3))
+        small = small.reshape(-1, 3)
+        return Sample(vertices, small, np.arange(len(vertices)), small)
     C = face_shapes(V, F)[2]
     axis = np.linalg.svd(np.cov(C.T))[0][:, 0]  # along which the mesh is longest
     order = np.argsort(C @ axis, kind="stable")

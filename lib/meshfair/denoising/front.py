@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from functools import wraps
 from typing import Any, TypeVar, cast
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from meshfair.checks import (
+    MeshWarning,
     check_choice,
     check_mesh,
     check_number,
@@ -24,6 +26,8 @@ from meshfair.denoising.registry import (
     defaults,
     distinct,
     find_method,
+    methods,
+    unknown,
     with_noise,
 )
 from meshfair.denoising.runs import Cancelled, Denoised, Run, warn_of_failed
@@ -40,15 +44,21 @@ Function = TypeVar("Function", bound=Callable[..., Denoised])
 
 def _gives_mesh(function: Function) -> Function:
     """Decorate a function of V and F that also takes a mesh object, and gives back its kind."""
+    taking = takes_meshes(function)
 
     @wraps(function)
     def unpacked(V: Any, *args: Any, **kwargs: Any) -> Denoised:
         if is_object(kwargs.get("ground_truth")):
             kwargs["ground_truth"], _ = arrays(kwargs["ground_truth"])
-        if not is_object(V):
-            return function(V, *args, **kwargs)
-        result = takes_meshes(function)(V, *args, **kwargs)
-        return result._replace(mesh=moved(V, result.V))
+        if is_object(V):
+            result = taking(V, *args, **kwargs)
+            return result._replace(mesh=moved(V, result.V))
+        if not args and "F" not in kwargs:
+            raise TypeError(
+                f"V is a {type(V).__name__}, and F is missing; give positions V and faces F, which "
+                "meshfair.io.read finds in a file, or a mesh of trimesh, pyvista, open3d or meshio"
+            )
+        return taking(V, *args, **kwargs)
 
     return cast(Function, unpacked)
 
@@ -93,7 +103,8 @@ def denoise(
         The method's parameters by name. All have ``fixed``, vertices that keep their place,
         as a boolean mask (n,) or as indices; and ``strength``, the part, from 0 to 1, of the
         way from the noisy mesh to where the filter leads: the less, the more detail is kept,
-        and noise. It is 1 where "auto" does not choose another one.
+        and noise. It is 1 where it is neither given nor chosen by "auto"; where it is given,
+        "auto" chooses all else as without it.
 
     Returns
     -------
@@ -121,28 +132,31 @@ def denoise(
     auto = check_choice(parameters, "parameters", ("default", "auto")) == "auto"
     if sigma is not None:
         sigma = check_number(sigma, "sigma", 0)
-    names = ALL if method == "auto" else (method,)
-    _check_chosen(method, chosen, sigma, auto)
+    if method != DEFAULT and method not in methods():
+        raise unknown(method, [DEFAULT, *methods()])
+    names = ALL if method == DEFAULT else (method,)
+    chosen = _checked(method, chosen, sigma, auto)
     turn = auto or any(find_method(name).normals for name in names)
     run = Run(V, F, ground_truth, callback, chosen, normals=turn)
-    if auto or method == "auto":
+    if auto or method == DEFAULT:
         return _chosen(run, names, sigma)
     given = defaults(method) | with_noise(method, run.chosen, sigma)
     filled = find_method(method).filled_in(run.V, run.F, given)
     return run.ended(method, run.states(find_method(method), filled, run.report))
 
 
-def _check_chosen(method: str, chosen: Parameters, sigma: float | None, auto: bool) -> None:
-    """Refuse parameters that the method does not have."""
+def _checked(method: str, chosen: Parameters, sigma: float | None, auto: bool) -> Parameters:
+    """The given parameters; refuse those that the method does not have."""
     if STRENGTH in chosen:
-        check_number(chosen[STRENGTH], STRENGTH, 0, 1)
-    if method == "auto":
-        if named := set(chosen) - {"fixed", STRENGTH}:
+        chosen = chosen | {STRENGTH: check_number(chosen[STRENGTH], STRENGTH, 0, 1)}
+    if method == DEFAULT:
+        free = ["fixed", STRENGTH]
+        if named := set(chosen) - set(free):
             raise ValueError(
                 f'{min(named)} is given, but method="auto" chooses all parameters; name the '
-                "method, too"
+                f"method, too{did_you_mean(min(named), free)}"
             )
-        return
+        return chosen
     known = [*defaults(method), STRENGTH]
     for name in chosen:
         if name not in known:
@@ -155,6 +169,7 @@ def _check_chosen(method: str, chosen: Parameters, sigma: float | None, auto: bo
             f"sigma is given, but {method} with default parameters does not use it; leave it out, "
             'or let parameters="auto" choose'
         )
+    return chosen
 
 
 def _chosen(run: Run, names: Sequence[str], sigma: float | None) -> Denoised:
@@ -167,10 +182,15 @@ def _chosen(run: Run, names: Sequence[str], sigma: float | None) -> Denoised:
     # What was tried on the whole mesh is not done again, but for its history.
     share = 1.0 if len(run.F) <= WHOLE and run.ground_truth is None else CHOICE
     try:
-        chooser = Chooser(run.V, run.F, run.chosen, sigma, lambda p: run.report(share * p))
-        choices = chooser.ranked(names)
+        # What candidates warn of is what they meet on patches, and was told of the whole mesh.
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", MeshWarning)
+            chooser = Chooser(run.V, run.F, run.chosen, sigma, lambda p: run.report(share * p))
+            choices = chooser.ranked(names)
     except Cancelled:
-        return run.ended(names[0], iter(()))._replace(finished=False)
+        nothing = defaults(names[0]) | run.fixed | {STRENGTH: 0.0}
+        state = next(run.known(run.V.copy(), nothing))
+        return run.ended(names[0], iter([state]))._replace(finished=False)
     if len(names) == 1:
         warn_of_failed(chooser.failed, chooser.trials)
     for choice in choices:
@@ -229,7 +249,7 @@ def tune(
     """
     V, F = check_mesh(V, F)
     V, ground_truth = check_same_vertices(V, ground_truth, ("V", "ground_truth"))
-    _check_chosen(method, chosen, None, auto=True)
+    chosen = _checked(method, chosen, None, auto=True)
     found = find_method(method)
     run = Run(V, F, ground_truth, callback, chosen, normals=found.normals)
     trials: list[Parameters] = []

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from meshfair import filters
-from meshfair.checks import Floats, Integers, did_you_mean
+from meshfair.checks import Floats, Integers, check_text, did_you_mean
+from meshfair.denoising.own import careful, check_filter
 from meshfair.filters.feature_convinced import fill_in
 
 Parameters = dict[str, Any]
@@ -200,15 +201,17 @@ def register(
     -------
     function
         A decorator that leaves the filter as it is. The filter takes V, F and keyword
-        parameters that all have defaults, and yields progress (0 to 1) and positions.
+        parameters that all have defaults, and yields progress (0 to 1) and positions, which
+        it may move in place. It has ``fixed``, a mask, if it is to be called with that.
 
     Raises
     ------
     ValueError
         The name is "auto" or one that comes with the package; the filter has a parameter
-        ``strength``, which is that of all methods.
+        ``strength``, which is that of all methods, one without a default, or not one that
+        ``candidates``, ``count`` or ``noise`` name.
     """
-    if name == DEFAULT:
+    if check_text(name, "name") == DEFAULT:
         raise ValueError(f"name is {name!r}, which chooses among all methods; give another one")
     if name in BUILT_IN:
         raise ValueError(
@@ -216,13 +219,16 @@ def register(
             "has learned of that; give another one"
         )
 
+    candidates = list(candidates)
+
     def add(function: Callable[..., States]) -> Callable[..., States]:
         if STRENGTH in inspect.signature(function).parameters:
             raise ValueError(
                 f"{name} has a parameter {STRENGTH!r}, which is the part of the way that denoise "
                 "takes with any method; call the filter's own by another name"
             )
-        _METHODS[name] = Method(function, list(candidates), count, fill_in, noise, normals)
+        check_filter(name, function, candidates, count, noise)
+        _METHODS[name] = Method(careful(name, function), candidates, count, fill_in, noise, normals)
         return function
 
     return add
@@ -262,12 +268,17 @@ def defaults(method: str) -> Parameters:
 
 def find_method(method: str) -> Method:
     """The method of a name, or an error that names those there are."""
-    if method not in _METHODS:
-        raise ValueError(
-            f"no method is called {method!r}; there are {', '.join(_METHODS)}"
-            f"{did_you_mean(method, _METHODS)}"
-        )
+    if not isinstance(method, str) or method not in _METHODS:
+        raise unknown(method, _METHODS)
     return _METHODS[method]
+
+
+def unknown(method: Any, known: Iterable[str]) -> ValueError:
+    """The error of a method that is none of the known ones."""
+    known = list(known)
+    return ValueError(
+        f"no method is called {method!r}; there are {', '.join(known)}{did_you_mean(method, known)}"
+    )
 
 
 def same(first: Parameters, second: Parameters) -> bool:

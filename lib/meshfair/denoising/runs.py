@@ -27,7 +27,7 @@ class Denoised(NamedTuple):
     """The method's name."""
     parameters: Parameters
     """All parameters that were used, ``strength`` where it was given or chosen; with them
-    `denoise` gives the same V again."""
+    `denoise` gives the same V again, also after a cancelled run if the method can stop early."""
     history: pd.DataFrame | None
     """Against the ground truth, a pandas table of iteration, normal_angle (degrees) and snr
     (decibels), from the noisy mesh at iteration 0 on; None without a ground truth."""
@@ -108,26 +108,35 @@ class Run:
 
     def report(self, progress: float) -> None:
         """Tell the callback; it may cancel."""
-        if self.callback is not None and self.callback(progress) is False:
+        if self.callback is None:
+            return
+        wish = self.callback(progress)
+        if isinstance(wish, (bool, np.bool_)) and not wish:
             raise Cancelled
 
     def states(
         self, method: Method, parameters: Parameters, report: Callable[[float], None]
     ) -> Iterator[State]:
         """Yield the state before the filter, and one for each new positions that it yields."""
-        history = self._measured(self.V)
-        yield State(self.V.copy(), parameters, history)
+        history, count = self._measured(self.V), 0
+        state = State(self.V.copy(), parameters, history)
+        yield state
         last = self.V
         for progress, X in method.states(self.V, self.F, parameters):
             if X is not last:
-                history += self._measured(X)
-                yield State(X, parameters, history)
+                history, count = history + self._measured(X), count + 1
+                state = State(X, parameters, history)
+                yield state
                 last = X
-            report(progress)
+            try:
+                report(progress)
+            except Cancelled:
+                yield state._replace(parameters=method.stopped(parameters, count))
+                raise
 
     def known(self, V: Floats, parameters: Parameters) -> Iterator[State]:
         """Yield the one state of a result that is known already."""
-        yield State(V, parameters)
+        yield State(V, parameters, self._measured(V))
         self.report(1.0)
 
     def better_states(self, method: Method, trials: list[Parameters]) -> Iterator[State]:

@@ -30,6 +30,7 @@ from meshfair.sure import high_passes, noise_by_differences
 
 # Below these, logarithms and ratios are of rounding, not of a mesh.
 LENGTH, RATIO, SQUARE = 1e-3, 1e-4, 1e-8
+TINY = np.finfo(float).tiny  # in place of 0 where that would be divided by
 POWERS = 4
 """Highest power of I - W~ whose output is looked at."""
 FARTHEST = 6
@@ -138,7 +139,7 @@ class Traits:
             *(np.mean(bends < angle) for angle in (1, 3)),
             *(np.mean(bends > angle) for angle in (25, 90)),
             np.mean(np.sum(N * self.N, axis=1) < 0),
-            np.log(area.sum() / self.area.sum()),
+            np.log(max(area.sum(), TINY) / max(self.area.sum(), TINY)),
             np.log(lengths.mean() + SQUARE),
             lengths.std(),
         ]
@@ -235,7 +236,7 @@ class Traits:
         G = np.einsum("fk,fki->fi", x[self.F], np.cross(N[:, None], sides))
         G /= np.sqrt(np.maximum(area, SQUARE * self.length**2))[:, None]
         T = self._mean_around @ (self.B @ (G[:, :, None] * G[:, None]).reshape(-1, 9))
-        T /= T[:, [0, 4, 8]].sum(axis=1)[:, None] + np.finfo(float).tiny
+        T /= T[:, [0, 4, 8]].sum(axis=1)[:, None] + TINY
         return np.sqrt(np.maximum(2 * np.sum(T**2, axis=1) - 1, 0))
 
     def _averaged(self, X: Floats) -> Floats:

@@ -35,6 +35,10 @@ from meshfair.operators import averaging as averaging_operator
 from meshfair.operators import laplacian, mass
 from meshfair.weights import BY_NAME
 
+# Height over longest edge below which a face's shape can make a system hard to solve: there the
+# cotangents are above a hundred.
+FLAT = 0.01
+
 
 def averaging(
     V: ArrayLike,
@@ -219,7 +223,7 @@ def implicit(
     edges, length = Edges(F, len(V)), mean_edge_length(V, F)
     for k in range(1, iterations + 1):
         L = _laplacian(V, edges, weights, length)
-        with _flattest_named(V, F):
+        with _cause_named(V, F, f"step={step:g}"):
             V = rescale(solve.implicit_step(V, L, mass(V, F), step * length**2, fixed=fixed))
         yield k / iterations, V
 
@@ -276,19 +280,21 @@ def regularised(
         m = M.diagonal()
         inverse = np.divide(1.0, m, out=np.zeros_like(m), where=m > 0)
         L = L @ diags_array(inverse) @ L
-    with _flattest_named(V, F):
+    with _cause_named(V, F, f"lam={lam:g}"):
         V = rescale(solve.implicit_step(V, L, M, lam * length ** (2 * order), fixed=fixed))
     yield 1.0, V
 
 
 @contextmanager
-def _flattest_named(V: Floats, F: Integers) -> Iterator[None]:
-    """Where a system cannot be solved, name the triangle that is most likely why."""
+def _cause_named(V: Floats, F: Integers, size: str) -> Iterator[None]:
+    """Where a system cannot be solved, name the triangle that is most likely why, or the step."""
     try:
         yield
     except solve.SolveError as error:
         T = Triangles(V, F)
         flattest = int(np.argmin(np.where(T.degenerate, np.inf, T.flatness)))
+        if T.flatness[flattest] > FLAT:
+            raise solve.SolveError(f"{error}. No face is flat: {size} is too large") from None
         raise solve.SolveError(
             f"{error}. The flattest face is {flattest}, with vertices {F[flattest].tolist()}: its "
             f"height is {T.flatness[flattest]:.2g} of its longest edge; move or drop what is so "
