@@ -263,7 +263,8 @@ def test_a_part_of_nothing_is_the_mesh_as_it_is(chosen_where):
     assert found.reason == "left as it is: filters would take away more detail than noise"
 
 
-def test_a_part_may_be_gone_where_the_mesh_would_be_left(chosen_where, monkeypatch):
+def test_a_part_may_be_gone_where_the_mesh_would_be_left(tried, chosen_where, monkeypatch):
+    chooser, *_ = tried
     monkeypatch.setattr(
         "meshfair.denoising.choice.forecast",
         lambda X, alone=False: Forecast(np.full(len(X), -1.0), np.full(len(X), -9.0)),
@@ -273,6 +274,10 @@ def test_a_part_may_be_gone_where_the_mesh_would_be_left(chosen_where, monkeypat
     for part, wanted in ((Part(0.7, 0.9), low), (Part(0.9, 0.7), low), (Part(0.9, 0.9), None)):
         found = chosen_where(part)
         assert (found.method, found.parameters.get("strength")) == (USUAL, wanted)
+    monkeypatch.setattr(chooser, "strength", 0.3)  # a given one does not change whether it is left
+    assert chosen_where(Part(0.7, 0.9)).parameters["strength"] == 0.3
+    assert np.array_equal(chosen_where(Part(0.1, 0.9)).X, chooser.V)
+    monkeypatch.setattr(chooser, "strength", None)
     monkeypatch.setattr(Chooser, "takes_relief", lambda chooser: True)
     assert chosen_where(Part(0.7, 0.9)).ratio == 1
 

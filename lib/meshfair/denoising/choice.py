@@ -207,7 +207,9 @@ class Chooser:
             choices = self._refined(candidates[first[0]], expected, first[0], caution)
         for k in order:
             choices.append(self._choice(candidates[k], float(expected.ratio[k]), why_not))
-        return choices if self.strength is None else self._by_so_much(choices, self.strength)
+        if self.strength is None:
+            return choices
+        return self._by_so_much(choices, self.strength, "the strength is 0")
 
     def candidates(self, names: Sequence[str]) -> list[Candidate]:
         """Try all candidates of some methods.
@@ -322,14 +324,13 @@ class Chooser:
         A part of the way to it, or, where all of the way is not in doubt, one that goes on from it.
         """
         left = caution is LEFT_ALONE
-        s = strength(best_part(self.rows([usual])[0]), caution) if self.strength is None else 1.0
-        if s < 1:
-            if s == 0 and left:
-                return []
-            part = self.part(usual, s)
-            # By the trees for one method's results: of parts, the others promise too much.
-            ratio = float(forecast(self.rows([part]), alone=True).ratio[0])
-            return [self._choice(part, ratio, "filters would take away more detail than noise")]
+        s = strength(best_part(self.rows([usual])[0]), caution)
+        if s == 0 and left:
+            return []
+        if s < 1 and self.strength is None:
+            whole = self._choice(usual, float(expected.ratio[k]), "")
+            why_not = "filters would take away more detail than noise"
+            return self._by_so_much([whole], s, why_not, ": beyond, detail would go")
         further = [] if left else self.further()
         if further:
             expected = expected.changed(k, change(self.rows(further)))
@@ -337,21 +338,20 @@ class Chooser:
             usual = [usual, *further][k]
         return [self._choice(usual, float(expected.ratio[k]), "")]
 
-    def _by_so_much(self, choices: list[Choice], strength: float) -> list[Choice]:
-        """The choices, each a given part of the way to its result."""
+    def _by_so_much(
+        self, choices: list[Choice], strength: float, why_not: str, beyond: str = ""
+    ) -> list[Choice]:
+        """The choices, each a part of the way to its result; why not, where that is nothing."""
         parts = [self.part(Candidate(*c[:4]), strength) for c in choices]
-        if strength == 1:
-            ratios = [c.ratio for c in choices]
-        else:
-            ratios = list(forecast(self.rows(parts), alone=True).ratio)
+        # By the trees for one method's results: of parts, the others promise too much.
+        ratios = forecast(self.rows(parts), alone=True).ratio
         found = []
         for c, part, ratio in zip(choices, parts, ratios, strict=True):
-            why_not = c.reason if c.X is self.V else "left as it is: the strength is 0"
+            told = self._choice(part, float(ratio) if strength < 1 else c.ratio, why_not)
+            reason = f"{told.reason}, {strength:g} of the way{beyond}"
             if part.X is self.V:
-                found.append(Choice(*part, 1.0, why_not))
-            else:
-                left = f"{self.noise}; {ratio:.0%} of the error should be left"
-                found.append(Choice(*part, float(ratio), f"{left}, {strength:g} of the way"))
+                reason = c.reason if c.X is self.V else told.reason
+            found.append(told._replace(reason=reason))
         return found
 
     def _choice(self, c: Candidate, ratio: float, why_not: str) -> Choice:
@@ -360,10 +360,7 @@ class Chooser:
             return Choice(*c, 1.0, f"left as it is: {why_not}")
         if _rms(self._taken()) < HARDLY:
             return Choice(*c, ratio, HARDLY_ANY)
-        reason = f"{self.noise}; {ratio:.0%} of the error should be left"
-        if STRENGTH in c.parameters:
-            reason += f", {c.parameters[STRENGTH]:g} of the way: beyond, detail would go"
-        return Choice(*c, ratio, reason)
+        return Choice(*c, ratio, f"{self.noise}; {ratio:.0%} of the error should be left")
 
     def _parameters(self, name: str) -> list[Parameters]:
         """Those of a method's trials, each once: its defaults first."""
