@@ -219,9 +219,11 @@ def _performance(data: Tables) -> Texts:
     seconds = bench.set_index(["task", "contender"])["seconds"]
     times_copy = bench[bench["contender"] == "ours"].set_index("task")["times_copy"]
     growth = scaling.set_index("vertices")["whole_flow_ns"]
-    filters = data["filters"].set_index("method")
+    measured = data["filters"].set_index("method")
+    front, filters = measured.loc["auto"], measured.drop("auto")
     slowest = filters["seconds"].sort_values(ascending=False)
     plain = filters["plain_seconds"] / filters["seconds"]
+    learned = data["learned"].set_index("faces")
 
     def times(task: str, theirs: str, ours: str = "ours") -> str:
         return f"{seconds[task, theirs] / seconds[task, ours]:.1f}"
@@ -268,6 +270,13 @@ def _performance(data: Tables) -> Texts:
         "filters-second-seconds": f"{slowest.iloc[1]:.2g}",
         "filters-plain-low": f"{plain.min():.1f}",
         "filters-plain-high": f"{plain.max():.0f}",
+        "filters-memory": f"{measured['peak_bytes'].max() / 1e6:.0f}",
+        "front-seconds": f"{front['seconds']:.2g}",
+        "learned-smallest": f"{learned.index[0]:,}",
+        "learned-largest": f"{learned.index[-1]:,}",
+        "learned-us-smallest": f"{learned['face_us'].iloc[0]:.0f}",
+        "learned-us-largest": f"{learned['face_us'].iloc[-1]:.0f}",
+        "learned-bytes": f"{learned['peak_bytes_per_face'].max() / 1000:.1f}",
         "bench-flow-plain": times("flow", "plain NumPy, SciPy product"),
     }
 

@@ -35,8 +35,12 @@ def test_a_quick_benchmark_agrees_and_writes_its_tables(tmp_path):
         assert float(row["seconds"]) > 0
         assert row["rounds"] == "1"
     filters = rows(tmp_path / "filters.csv")
-    assert [row["method"] for row in filters] == denoising.methods()
+    assert [row["method"] for row in filters] == [*denoising.methods(), "auto"]
     assert all(float(row["plain_seconds"]) > 0 for row in filters)
+    assert all(float(row["peak_bytes"]) >= 0 for row in filters)
+    learned = rows(tmp_path / "learned.csv")
+    assert [row["faces"] for row in learned] == ["1200", "4800"]
+    assert all(float(row["face_us"]) > 0 for row in learned)
     assert len(rows(tmp_path / "starting.csv")) == 3
     files = rows(tmp_path / "files.csv")
     assert [row["format"] for row in files] == [

@@ -31,8 +31,9 @@ bench.csv has a row for each task and contender:
     times_copy        step and steps: seconds over the time that copying as many bytes takes
                       as one step must read and write; copies take their turn in each round
 
-filters.csv has a row for each filter: seconds with its default parameters, median of rounds, and
-plain_seconds, the same on NumPy and SciPy alone.
+filters.csv has a row for each filter, and for auto, the front's own choice: seconds with default
+parameters, median of rounds, plain_seconds, the same on NumPy and SciPy alone, and peak_bytes.
+learned.csv has the learned filter by size: faces, microseconds and peak_bytes for each of them.
 starting.csv has the seconds of a new process: Python alone, NumPy and SciPy imported, README's
 first example, nothing compiled before.
 files.csv has a row for each format: seconds to read a mesh, to read all that the file holds, to
@@ -299,6 +300,7 @@ def main(arguments=None):
         rounds = 1 if options.quick else options.rounds or 3
         if "filters" in (options.task or ["filters"]):
             tables["filters.csv"] = filtering.table(rounds, options.quick)
+            tables["learned.csv"] = filtering.by_size(meshes[: scaling.MAIN + 1])
         if not options.task:
             tables["starting.csv"] = starting.table(1 if options.quick else 9)
             tables["files.csv"] = files.table(meshes[0][0], rounds)
