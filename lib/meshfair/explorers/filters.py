@@ -81,7 +81,7 @@ class FilterExplorer(Explorer):
             "mesh": choice("mesh", self._meshes, first, "What is made noisy and denoised"),
             "method": choice(
                 "method",
-                [denoising.DEFAULT, *denoising.methods()],
+                [*denoising.methods(), denoising.DEFAULT],
                 method,
                 "The filter, by its name in denoise; auto looks at the mesh, and chooses one",
             ),
