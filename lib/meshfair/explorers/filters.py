@@ -97,7 +97,7 @@ class FilterExplorer(Explorer):
                 "The part of the way to the filter's result: less keeps more detail, and noise; "
                 "at 1, auto may choose less",
                 value=1.0,
-                ends=(0.0, 1.0),
+                ends=(0.05, 1.0),  # at 0 there is nothing to see
                 step=0.05,
             ),
             "noise": noise_choice(NOISES, "normals", "How the vertices are moved"),
