@@ -627,11 +627,22 @@ def test_where_there_is_no_noise_no_error_is_said_to_be_left():
         np.testing.assert_array_equal(result.V, V)
 
 
-def test_candidates_do_not_warn_of_patches(recwarn):
-    V_noisy, _, F = noisy_torus()
+@pytest.mark.parametrize("method", ["auto", "averaging"])
+@pytest.mark.parametrize("segments", [None, 4])
+def test_a_choice_warns_of_what_is_chosen_alone(recwarn, method, segments):
+    V_noisy, V, F = noisy_torus()
+    if segments:  # more than are tried whole
+        V, F = shapes.torus(sections=100, sides=40)
+        V_noisy = noise.along_normals(V, F, 0.2, np.random.default_rng(0))
     V_noisy[F[5, 0]] = V_noisy[F[5, 1]]  # two faces without area
-    meshfair.denoise(V_noisy, F, "regularised", parameters="auto")
-    assert [str(w.message) for w in recwarn if w.category is meshfair.MeshWarning] == []
+    given = {} if method == "auto" else {"weights": "cotangent"}
+    found = meshfair.denoise(V_noisy, F, method, parameters="auto", **given)
+    told = sorted(str(w.message) for w in recwarn)
+    recwarn.clear()
+    again = meshfair.denoise(V_noisy, F, found.method, **found.parameters)
+    np.testing.assert_array_equal(again.V, found.V)
+    assert told == sorted(str(w.message) for w in recwarn)
+    assert bool(told) == bool(given)
 
 
 def test_no_result_is_looked_at_twice():

@@ -183,20 +183,21 @@ class Chooser:
             No candidate can be solved.
         """
         candidates = self.candidates(names)
-        expected = forecast(self.rows(candidates), alone=len(names) == 1)
-        untouched = np.array([c.X is self.V for c in candidates])
         usual = USUAL if len(names) > 1 else names[0]
         is_usual = np.array([c.stop is None and c.method == usual for c in candidates])
+        first = np.flatnonzero(is_usual)[:1]
+        if self._is_whole and _rms(self._taken()) < HARDLY:
+            k = int(first[0]) if len(first) else 0
+            return [self._choice(self.part(candidates[k], 0.0), 1.0, HARDLY_ANY)]
+        expected = forecast(self.rows(candidates), alone=len(names) == 1)
+        untouched = np.array([c.X is self.V for c in candidates])
         results = Results(untouched, is_usual, self.moved(candidates), self.takes_relief())
         rule = AMONG_ALL if len(names) > 1 else rule_of(usual)
         score = ranking(expected, results, rule)
         why_not = "nothing promises to bring it closer to the true mesh"
         if results.relief and rule.leaves_relief:
             why_not = "what filters would take away repeats, as a relief does"
-        order, first = np.argsort(score, kind="stable"), np.flatnonzero(is_usual)[:1]
-        if self._is_whole and _rms(self._taken()) < HARDLY:
-            k = int(first[0]) if len(first) else 0
-            return [self._choice(self.part(candidates[k], 0.0), 1.0, HARDLY_ANY)]
+        order = np.argsort(score, kind="stable")
         caution = None
         if order[0] in first:
             caution = NAMED if len(names) == 1 else CHOSEN
@@ -232,7 +233,7 @@ class Chooser:
         candidates: list[Candidate] = []
         for number, (name, parameters) in enumerate(trials, start=1):
             try:
-                for result in list(self._results(name, parameters)):
+                for result in self._results(name, parameters):
                     if not _comes_again(result, candidates):
                         candidates.append(result)
             except SolveError as error:
@@ -311,9 +312,9 @@ class Chooser:
         Candidate
         """
         parameters = candidate.parameters | {STRENGTH: strength}
-        X = candidate.X if strength == 1 else self.V
-        if 0 < strength < 1 and candidate.X is not self.V:
-            X = self.V + strength * (candidate.X - self.V)
+        if strength == 0 or candidate.X is self.V:
+            return candidate._replace(parameters=parameters, X=self.V)
+        X = candidate.X if strength == 1 else self.V + strength * (candidate.X - self.V)
         return candidate._replace(parameters=parameters, X=X)
 
     def _refined(
@@ -343,11 +344,12 @@ class Chooser:
     ) -> list[Choice]:
         """The choices, each a part of the way to its result; why not, where that is nothing."""
         parts = [self.part(Candidate(*c[:4]), strength) for c in choices]
-        # By the trees for one method's results: of parts, the others promise too much.
-        ratios = forecast(self.rows(parts), alone=True).ratio
+        ratios = [c.ratio for c in choices]
+        if strength < 1:  # by the trees for one method's results: the others promise too much
+            ratios = forecast(self.rows(parts), alone=True).ratio.tolist()
         found = []
         for c, part, ratio in zip(choices, parts, ratios, strict=True):
-            told = self._choice(part, float(ratio) if strength < 1 else c.ratio, why_not)
+            told = self._choice(part, ratio, why_not)
             reason = f"{told.reason}, {strength:g} of the way{beyond}"
             if part.X is self.V:
                 reason = c.reason if c.X is self.V else told.reason

@@ -182,15 +182,19 @@ def _chosen(run: Run, names: Sequence[str], sigma: float | None) -> Denoised:
     # What was tried on the whole mesh is not done again, but for its history.
     share = 1.0 if len(run.F) <= WHOLE and run.ground_truth is None else CHOICE
     try:
-        # What candidates warn of is what they meet on patches, and was told of the whole mesh.
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", MeshWarning)
+        # Candidates warn of what they meet on patches, and most are not taken.
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", MeshWarning)
             chooser = Chooser(run.V, run.F, run.chosen, sigma, lambda p: run.report(share * p))
             choices = chooser.ranked(names)
     except Cancelled:
         nothing = defaults(names[0]) | run.fixed | {STRENGTH: 0.0}
         state = next(run.known(run.V.copy(), nothing))
         return run.ended(names[0], iter([state]))._replace(finished=False)
+    for w in caught:
+        if not issubclass(w.category, MeshWarning):
+            warnings.warn_explicit(w.message, w.category, w.filename, w.lineno)
+    warned = any(issubclass(w.category, MeshWarning) for w in caught)
     if len(names) == 1:
         warn_of_failed(chooser.failed, chooser.trials)
     for choice in choices:
@@ -199,7 +203,7 @@ def _chosen(run: Run, names: Sequence[str], sigma: float | None) -> Denoised:
         if choice.stop is not None:
             parameters = method.stopped(parameters, choice.stop)
         states = run.states(method, parameters, lambda p: run.report(share + (1 - share) * p))
-        if share == 1:
+        if share == 1 and not warned:  # else it is done again, and says itself what it meets
             X = run.V.copy()
             X[chooser.vertices] = choice.X
             states = run.known(X, parameters)
